@@ -1,0 +1,5 @@
+"""Where things are: cells, neighbours, distances."""
+
+from sooner.grid.grid import Connectivity, Grid
+
+__all__ = ["Connectivity", "Grid"]

@@ -1,0 +1,112 @@
+"""Moves: which actions are open to a searcher, how long they take and what they look at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sooner.errors import InvalidProblemError
+
+if TYPE_CHECKING:
+    from sooner.grid import Grid
+    from sooner.problem.search_problem import Searcher
+
+__all__ = ["CellMoves", "Looks", "Moves"]
+
+
+@dataclass(frozen=True, eq=False)
+class Looks:
+    """What one searcher looks at, in order of time.
+
+    Parameters
+    ----------
+    items : (n,) int          rows of the gain table: cells here, atoms where regions move
+    times : (n,) float        when, in the problem's unit of time (steps for cell moves)
+    """
+
+    items: NDArray[np.int64]
+    times: NDArray[np.float64]
+
+
+class Moves(Protocol):
+    """What a model of moves must answer; cells here, regions and waypoints beside it."""
+
+    def fault(self, grid: Grid, searcher: Searcher, actions: NDArray[np.int64]) -> str | None:
+        """Why these actions are not legal, or None if they are."""
+
+    def looks(self, grid: Grid, searcher: Searcher, actions: NDArray[np.int64]) -> Looks:
+        """What legal actions look at, and when."""
+
+
+@dataclass(frozen=True)
+class CellMoves:
+    """One cell a step: to a neighbour, or, for a copter, to the same cell again (hover).
+
+    A fixed wing neither hovers nor turns straight back to the cell it came from; its first move is free unless the
+    searcher `came_from` somewhere. The start cell is looked at when t = 0, every later cell when it is reached.
+
+    Parameters
+    ----------
+    kind : str                "copter" or "fixed_wing"
+    step_s : float            seconds that one step takes
+    """
+
+    kind: Literal["copter", "fixed_wing"] = "copter"
+    step_s: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.kind not in ("copter", "fixed_wing"):
+            raise InvalidProblemError(f"kind {self.kind!r} came; expected 'copter' or 'fixed_wing'")
+        if not (np.isfinite(self.step_s) and self.step_s > 0):
+            raise InvalidProblemError(f"a step of {self.step_s} s came; expected a positive number")
+
+    def fault(self, grid: Grid, searcher: Searcher, actions: NDArray[np.int64]) -> str | None:
+        """Why this sequence of cells cannot be flown, or None if it can."""
+        if actions.ndim != 1 or len(actions) == 0:
+            return "it has no cells; expected at least the start cell"
+        if len(actions) - 1 > searcher.budget:
+            return f"it takes {len(actions) - 1} steps; the budget is {searcher.budget}"
+        outside = (actions < 0) | (actions >= grid.n_cells)
+        if outside.any():
+            return f"step {int(np.argmax(outside))} lies outside the map"
+        start = grid.index(searcher.start)
+        if actions[0] != start:
+            return f"it starts at {_at(grid, actions[0])}; the start is {_at(grid, start)}"
+        if searcher.end is not None and actions[-1] != grid.index(searcher.end):
+            return f"it ends at {_at(grid, actions[-1])}; the end is {list(searcher.end)}"
+        return self._broken_step(grid, searcher, actions)
+
+    def _broken_step(self, grid: Grid, searcher: Searcher, actions: NDArray[np.int64]) -> str | None:
+        hover = actions[1:] == actions[:-1]
+        adjacent = (grid.neighbours[actions[:-1]] == actions[1:, None]).any(axis=1)
+        illegal = ~(adjacent | hover)
+        if illegal.any():
+            step = int(np.argmax(illegal))
+            here, there = _at(grid, actions[step]), _at(grid, actions[step + 1])
+            why = "an obstacle stands there" if not grid.passable[actions[step + 1]] else "they are not neighbours"
+            return f"step {step + 1} goes from {here} to {there}: {why}"
+        if self.kind == "copter":
+            return None
+        if hover.any():
+            step = int(np.argmax(hover))
+            return f"step {step + 1} hovers at {_at(grid, actions[step])}: a fixed wing cannot"
+        previous = np.concatenate(
+            [[-1 if searcher.came_from is None else grid.index(searcher.came_from)], actions[:-2]]
+        )[: len(actions) - 1]
+        back = actions[1:] == previous
+        if back.any():
+            step = int(np.argmax(back))
+            return f"step {step + 1} turns straight back to {_at(grid, actions[step + 1])}: a fixed wing cannot"
+        return None
+
+    def looks(self, grid: Grid, searcher: Searcher, actions: NDArray[np.int64]) -> Looks:
+        """One look at every cell of the sequence, one step apart."""
+        return Looks(actions, np.arange(len(actions), dtype=np.float64))
+
+
+def _at(grid: Grid, index: int | np.integer) -> str:
+    row, col = grid.cell(int(index))
+    return f"[{row}, {col}]"
