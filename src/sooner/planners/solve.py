@@ -117,7 +117,7 @@ class _Run:
 
 
 def _better(old: Incumbent, new: Incumbent) -> Incumbent:
-    value = new if new.value > old.value else old
+    value = new if new.value >= old.value else old
     bound = new if new.bound < old.bound else old
     return replace(value, bound=bound.bound, bound_proof=bound.bound_proof, bound_assumes=bound.bound_assumes)
 

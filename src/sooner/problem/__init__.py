@@ -6,6 +6,7 @@ from sooner.problem.incumbent import Incumbent
 from sooner.problem.moves import CellMoves, Looks, Moves
 from sooner.problem.plan import Plan
 from sooner.problem.reach import Reach
+from sooner.problem.remainder import joined, remainder
 from sooner.problem.search_problem import Drift, Objective, Searcher, SearchProblem
 from sooner.problem.teleport import Teleport, teleport
 
@@ -25,5 +26,7 @@ __all__ = [
     "Teleport",
     "detection_gains",
     "evaluate",
+    "joined",
+    "remainder",
     "teleport",
 ]

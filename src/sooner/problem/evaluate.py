@@ -12,7 +12,7 @@ from sooner.errors import IllegalPlanError, UnsupportedProblemError
 from sooner.problem.plan import Plan
 from sooner.problem.search_problem import Drift, SearchProblem
 
-__all__ = ["Evaluation", "evaluate"]
+__all__ = ["Evaluation", "check_legal", "evaluate", "filtered"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +117,7 @@ def evaluate(problem: SearchProblem, plan: Plan) -> Evaluation:
     if problem.drift is None:
         gained = problem.gains.of(items, _looked_before(items))
     else:
-        gained = _drifting_gains(problem.drift, items, times)
+        _, gained = filtered(problem.drift, items, times.astype(np.int64), until=0)
     cdp = np.cumsum(gained)
     if problem.objective.kind == "detection":
         cdp = np.minimum(cdp, 1.0)  # rounding alone can pass one
@@ -148,16 +148,24 @@ def _looked_before(items: NDArray[np.int64]) -> NDArray[np.int64]:
     return before
 
 
-def _drifting_gains(drift: Drift, items: NDArray[np.int64], times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Forward filter: mass not yet detected is looked at, thinned, and moves once per unit of time."""
+def filtered(
+    drift: Drift, items: NDArray[np.int64], times: NDArray[np.integer], until: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Forward filter: mass not yet detected is looked at, thinned, and moves once per unit of time.
+
+    Returns the mass of each cell at time `until`, all those looks having missed, and the gain of each look. The mass
+    is not normalised: it totals the probability that the person is on the map and not yet found.
+    """
     mass = drift.poc.copy()
     forward = drift.transition.T.tocsr()
     gained = np.empty(len(items))
     now = 0
     for n, (item, time) in enumerate(zip(items, times, strict=True)):
-        while now < int(time):
+        while now < time:
             mass = forward @ mass
             now += 1
         gained[n] = mass[item] * drift.glimpse[item]
         mass[item] -= gained[n]
-    return gained
+    for _ in range(now, until):
+        mass = forward @ mass
+    return mass, gained

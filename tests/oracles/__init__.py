@@ -1,0 +1,1 @@
+"""Slow, obvious, written independently of what they check."""

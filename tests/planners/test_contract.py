@@ -1,0 +1,32 @@
+"""Every planner on every small problem that it handles."""
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from sooner.planners.receding import Receding
+from sooner.planners.registry import PLANNERS, make_planner
+from sooner.planners.soonest import Soonest
+from sooner.problem import SearchProblem
+from tests.planners.contract import check_contract
+from tests.strategies import problems
+
+relaxed = settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+
+
+@pytest.mark.parametrize("name", list(PLANNERS))
+@relaxed
+@given(problem=problems())
+def test_every_planner_keeps_the_contract(name: str, problem: SearchProblem) -> None:
+    check_contract(problem, make_planner(name))
+
+
+@relaxed
+@given(problem=problems())
+def test_receding_keeps_the_contract(problem: SearchProblem) -> None:
+    check_contract(problem, Receding(make_planner("greedy"), every=2))
+
+
+@relaxed
+@given(problem=problems(target=True))
+def test_soonest_keeps_the_contract(problem: SearchProblem) -> None:
+    check_contract(problem, Soonest(make_planner("greedy")), ticks=12)
