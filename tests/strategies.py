@@ -35,7 +35,7 @@ def gain_tables(draw, n_cells: int) -> Gains:
     table = np.sort(rng.random((n_cells, looks)), axis=1)[:, ::-1] / (n_cells * looks)
     if kind == "sparse":
         table *= rng.random((n_cells, 1)) < 0.4
-    return Gains(table, rng.choice([0.0, 0.5, 1.0], n_cells) if draw(st.booleans()) else np.zeros(n_cells))
+    return Gains(table, rng.choice([0.0, 0.25, 0.5], n_cells) if draw(st.booleans()) else np.zeros(n_cells))
 
 
 @st.composite
