@@ -6,6 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from sooner.planners.receding import Receding
 from sooner.planners.registry import PLANNERS, make_planner
 from sooner.planners.soonest import Soonest
+from sooner.planners.team import Team
 from sooner.problem import SearchProblem
 from tests.planners.contract import check_contract
 from tests.strategies import problems
@@ -30,3 +31,9 @@ def test_receding_keeps_the_contract(problem: SearchProblem) -> None:
 @given(problem=problems(target=True))
 def test_soonest_keeps_the_contract(problem: SearchProblem) -> None:
     check_contract(problem, Soonest(make_planner("greedy")), ticks=12)
+
+
+@relaxed
+@given(problem=problems())
+def test_a_team_of_one_keeps_the_contract(problem: SearchProblem) -> None:
+    check_contract(problem, Team(make_planner("greedy")))

@@ -14,9 +14,9 @@ relaxed = settings(max_examples=60, deadline=None, suppress_health_check=list(He
 WING = CellMoves("fixed_wing")
 
 
-def pose(grid: Grid, searcher: Searcher, objective: Objective = Objective()) -> SearchProblem:
+def pose(grid: Grid, searcher: Searcher, objective: Objective | None = None) -> SearchProblem:
     gains = Gains(np.full((grid.n_cells, 1), 1 / grid.n_cells), np.zeros(grid.n_cells))
-    return SearchProblem(grid, gains, (searcher,), objective)
+    return SearchProblem(grid, gains, (searcher,), objective or Objective())
 
 
 ROCK = Grid((3, 3), obstacles=np.array([[False, True, False], [True, True, False], [False, False, False]]))

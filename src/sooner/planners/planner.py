@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass
+from itertools import count
 from typing import Protocol
 
 from numpy.random import Generator as Random
@@ -10,7 +12,7 @@ from numpy.random import Generator as Random
 from sooner.errors import UnsupportedProblemError
 from sooner.problem import CellMoves, Incumbent, SearchProblem
 
-__all__ = ["Planner", "Ticks", "follow", "refuse_unhandled", "single_cell_searcher"]
+__all__ = ["Part", "Planner", "Ticks", "follow", "refuse_unhandled", "single_cell_searcher"]
 
 Ticks = Generator[Incumbent, float | None, None]
 """Yields incumbents; is sent the share of the run that is used up, in [0, 1], or None where nobody knows."""
@@ -68,3 +70,46 @@ def follow(ticks: Iterator[Incumbent]) -> Callable[[float | None], Incumbent | N
             return None
 
     return advance
+
+
+@dataclass(frozen=True)
+class Part:
+    """The part of a run that one inner planner has: up to a share of the whole, or some ticks where nobody knows.
+
+    Parameters
+    ----------
+    begin, until : float      shares of the whole run
+    ticks : int               how many ticks, where no shares are sent
+    """
+
+    begin: float
+    until: float
+    ticks: int
+
+    def run(
+        self,
+        planner: Planner,
+        problem: SearchProblem,
+        rng: Random,
+        share: float | None,
+        take: Callable[[Incumbent], Incumbent],
+        enough: Callable[[], bool] = lambda: False,
+    ) -> Generator[Incumbent, float | None, tuple[float | None, bool]]:
+        """Yield `take(incumbent)` for each tick of the inner planner while the part lasts and it is not `enough`.
+
+        Returns the last share that was sent, and whether the inner planner came to its own end.
+        """
+        advance = follow(planner.plans(problem, rng))
+        for tick in count(1):
+            incumbent = advance(self._used(share))
+            if incumbent is None:
+                return share, True
+            share = yield take(incumbent)
+            if enough() or (tick >= self.ticks if share is None else share >= self.until):
+                break
+        return share, False
+
+    def _used(self, share: float | None) -> float | None:
+        if share is None:
+            return None
+        return min(max((share - self.begin) / max(self.until - self.begin, 1e-12), 0.0), 1.0)

@@ -6,13 +6,12 @@ Section VI of [Lin2014] leaves this open for targets that move and beliefs that 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import count
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from sooner.planners.planner import Planner, Ticks, follow
+from sooner.planners.planner import Part, Planner, Ticks
 from sooner.problem import (
     Gains,
     Incumbent,
@@ -60,42 +59,21 @@ class Receding:
             flown = _start(problem) if best is None else best.plan.actions[0][: begin + 1]
             if len(flown) <= begin:  # the flight ends before its budget
                 return
-            own = _OwnPart(number, len(begins), self.ticks)
-            advance = follow(self.inner.plans(held_still(remainder(problem, flown), self.every), rng))
-            for tick in count(1):
-                proposal = advance(own.used(share))
-                if proposal is not None:
-                    best = _better(problem, best, joined(flown, proposal.plan.actions[0]))
-                assert best is not None, "a planner yields at least once"
-                share = yield best
-                if proposal is None or own.over(share, tick):
-                    break
 
+            def take(proposal: Incumbent, flown: NDArray[np.int64] = flown) -> Incumbent:
+                nonlocal best
+                best = _better(problem, best, joined(flown, proposal.plan.actions[0]))
+                return best
 
-@dataclass(frozen=True)
-class _OwnPart:
-    """The part of the whole run that one replan has: half for the first, the rest in equal parts."""
+            asked = held_still(remainder(problem, flown), self.every)
+            share, _ = yield from self._part(number, len(begins)).run(self.inner, asked, rng, share, take)
 
-    number: int
-    of: int
-    ticks: int
-
-    def used(self, share: float | None) -> float | None:
-        if share is None:
-            return None
-        begin, end = self._span()
-        return min(max((share - begin) / (end - begin), 0.0), 1.0)
-
-    def over(self, share: float | None, tick: int) -> bool:
-        return tick >= self.ticks if share is None else share >= self._span()[1]
-
-    def _span(self) -> tuple[float, float]:
-        if self.of == 1:
-            return 0.0, 1.0
-        if self.number == 0:
-            return 0.0, 0.5
-        each = 0.5 / (self.of - 1)
-        return 0.5 + (self.number - 1) * each, 0.5 + self.number * each
+    def _part(self, number: int, of: int) -> Part:
+        """Half of the run for the first plan, the rest in equal parts."""
+        if number == 0:
+            return Part(0.0, 0.5 if of > 1 else 1.0, self.ticks)
+        each = 0.5 / (of - 1)
+        return Part(0.5 + (number - 1) * each, 0.5 + number * each, self.ticks)
 
 
 def held_still(problem: SearchProblem, window: int) -> SearchProblem:

@@ -6,8 +6,7 @@ an inner planner still reaches the target is the answer; every probe of a horizo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from itertools import count
+from dataclasses import dataclass, replace
 from math import ceil, inf
 
 import numpy as np
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from sooner.errors import InfeasibleProblemError
 from sooner.planners.greedy import Greedy
-from sooner.planners.planner import Planner, Ticks, follow
+from sooner.planners.planner import Part, Planner, Ticks
 from sooner.problem import Evaluation, Incumbent, Objective, Plan, SearchProblem, evaluate, joined, remainder
 
 __all__ = ["Soonest"]
@@ -51,33 +50,26 @@ class Soonest:
     def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
         """Yield after every tick of every probe."""
         bracket = _Bracket.of(problem)
-        best, share, ticks = Incumbent(Plan(()), -inf), 0.0, self.ticks
+        best, share, ticks, ended = Incumbent(Plan(()), -inf), 0.0, self.ticks, False
         known: float | None = share
-        while True:
+        while not bracket.closed and not (ended and bracket.exhausted):
             asked = _most(problem) if bracket.whole else _most(problem, bracket.horizon)
-            advance = follow(self.inner.plans(asked, rng))
-            begin, end = share, share + self.part * (1.0 - share)
-            total, ended = 0.0, False
-            for tick in count(1):
-                proposal = advance(None if known is None else min((share - begin) / max(end - begin, 1e-9), 1.0))
-                if proposal is not None:
-                    total = proposal.value
-                    best = _better(problem, best, asked, proposal.plan)
-                known = yield best
-                share = share if known is None else known
-                reached = -best.value < bracket.answer
-                ended = proposal is None
-                if ended or (reached and not bracket.whole) or (tick >= ticks if known is None else share >= end):
-                    break
-            if -best.value < bracket.answer:
-                bracket = bracket.after_success(int(-best.value))
-            elif bracket.whole:  # even the whole budget fell short: try that again
-                ticks *= 2
-            else:
-                bracket = bracket.after_failure(total)
-                ticks = ticks * 2 if bracket.exhausted else ticks
-            if bracket.closed or (ended and (bracket.whole or bracket.exhausted)):
-                return
+            total, answer, whole = 0.0, bracket.answer, bracket.whole
+
+            def take(proposal: Incumbent, asked: SearchProblem = asked) -> Incumbent:
+                nonlocal best, total
+                total = proposal.value
+                best = _better(problem, best, asked, proposal.plan)
+                return best
+
+            def enough(answer: float = answer, whole: bool = whole) -> bool:
+                return -best.value < answer and not whole
+
+            part = Part(share, share + self.part * (1.0 - share), ticks)
+            known, ended = yield from part.run(self.inner, asked, rng, known, take, enough)
+            share = share if known is None else known
+            bracket = bracket.after_success(-best.value) if -best.value < answer else bracket.after_failure(total)
+            ticks = ticks * 2 if bracket.exhausted else ticks
 
 
 @dataclass(frozen=True)
@@ -91,7 +83,7 @@ class _Bracket:
     answer: float
     horizon: int
     whole: bool = True
-    exhausted: bool = field(default=False)
+    exhausted: bool = False
 
     @classmethod
     def of(cls, problem: SearchProblem) -> _Bracket:
@@ -101,21 +93,22 @@ class _Bracket:
         least = int(min(soonest, budget))
         return cls(target, reference.curve, least, least - 1, inf, budget)
 
-    def after_success(self, answer: int) -> _Bracket:
+    def after_success(self, answer: float) -> _Bracket:
         """Half way from the answer down to the longest horizon that failed."""
-        failed = min(self.failed, answer - 1)
-        return replace(self, answer=answer, failed=failed, horizon=max((answer + failed) // 2, 1), whole=False)
+        failed = min(self.failed, int(answer) - 1)
+        horizon = max((int(answer) + failed) // 2, 1)
+        return replace(self, answer=answer, failed=failed, horizon=horizon, whole=False, exhausted=False)
 
     def after_failure(self, total: float) -> _Bracket:
         """Longer by what was missing, at the rate at which teleporting gains there."""
+        if self.whole:  # not even the whole budget reaches the target: there is nothing else to try
+            return replace(self, exhausted=True)
         index = min(self.horizon, len(self.curve) - 1)
         rate = self.curve[index] - self.curve[max(index - 1, 0)]
         missing = ceil((self.target - total) / rate) if rate > 0 else 1
-        failed = max(self.failed, self.horizon)
-        top = int(self.answer) - 1
-        return replace(
-            self, failed=failed, horizon=max(min(self.horizon + max(missing, 1), top), 1), exhausted=failed >= top
-        )
+        failed, longest = max(self.failed, self.horizon), int(self.answer) - 1
+        horizon = max(min(self.horizon + max(missing, 1), longest), 1)
+        return replace(self, failed=failed, horizon=horizon, exhausted=failed >= longest)
 
     @property
     def closed(self) -> bool:
