@@ -1,0 +1,1 @@
+"""The terminal face: parse, call one public function, print."""

@@ -1,0 +1,72 @@
+"""`sooner plan`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from sooner.cli.exits import DONE, INTERRUPTED, say, uninterrupted
+from sooner.cli.progress import Watch
+from sooner.cli.words import percent, steps
+from sooner.errors import DataFormatError, Fault
+from sooner.io import Folder
+from sooner.missions import Mission, plan_mission, read_mission
+from sooner.missions.plan_mission import FILES, Planned
+from sooner.planners import Status
+
+__all__ = ["plan"]
+
+
+def plan(
+    mission_file: Path,
+    planner: str | None,
+    seconds: float,
+    seed: int,
+    out: Path | None,
+    file_format: str,
+    as_json: bool,
+    quiet: bool,
+    force: bool,
+) -> int:
+    """Plan, write, tell; answers the exit status."""
+    if file_format != "csv":
+        fault = Fault("--format", "", f"{file_format!r} came", "expected csv, the only format of this version")
+        raise DataFormatError(fault)
+    mission = read_mission(mission_file)
+    folder = Folder(out or mission_file.parent / f"{mission_file.stem}-plan", force)
+    folder.check(*FILES)
+    with Watch(mission, planner, seconds, quiet) as watch:
+        planned = plan_mission(mission, planner, seconds, seed, on_tick=watch.tick)
+    with uninterrupted():
+        result = planned.write(folder)
+    if as_json:
+        print(json.dumps(result, allow_nan=False))
+    else:
+        _tell(mission, planned, result, folder)
+    if planned.solution.status is Status.INTERRUPTED:
+        say("sooner: interrupted; the best plan so far is written")
+        return INTERRUPTED
+    return DONE
+
+
+def _tell(mission: Mission, planned: Planned, result: dict[str, Any], folder: Folder) -> None:
+    score, best = planned.score, planned.solution.best
+    target = mission.problem.objective.target
+    print(f"{mission.name}: a flight of {steps(mission, max(result['steps']))}, planned by {planned.planner}")
+    print(f"  finds the person with probability   {percent(score.evaluation.total)}")
+    if target is not None:
+        print(f"  {target:.0%} are reached after             {steps(mission, score.evaluation.time_to(target))}")
+    if result["bound"] is not None and target is None:
+        print(f"  no flight can pass                  {percent(best.bound)}   (proof: {best.bound_proof})")
+        print(f"  so it is at most                    {percent(best.gap)}   short of the best there is")
+    elif result["bound"] is not None:
+        print(f"  no flight gets there before         {steps(mission, -best.bound)}   (proof: {best.bound_proof})")
+    if result["efficiency"] is not None:
+        print(f"  efficiency against teleporting      {percent(result['efficiency'])}")
+    print(f"  never looked at                     {percent(score.never_looked)}   of the probability")
+    print(f"  looked at, and missed               {percent(score.missed)}")
+    if mission.belief.outside:
+        print(f"  outside this map                    {percent(mission.belief.outside)}")
+    print(f"plan     {folder.path / 'plan.csv'}")
+    print(f"picture  {folder.path / 'plan.png'}")

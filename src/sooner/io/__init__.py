@@ -1,0 +1,7 @@
+"""The doors to files: rasters in, plans in and out, and writing that leaves nothing half done."""
+
+from sooner.io.plans import plan_csv, read_plan
+from sooner.io.rasters import MAX_CELLS, Raster, raster_csv, read_raster
+from sooner.io.writing import Folder
+
+__all__ = ["MAX_CELLS", "Folder", "Raster", "plan_csv", "raster_csv", "read_plan", "read_raster"]

@@ -1,0 +1,46 @@
+"""Warm-up: tiny missions through every planner and every bound, so that all kernels are compiled and cached."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from sooner.errors import SoonerError
+from sooner.grid import Grid
+from sooner.planners import max_ticks, solve
+from sooner.planners.registry import PLANNERS
+from sooner.problem import CellMoves, SearchProblem
+from sooner.scenarios import bimodal
+
+__all__ = ["warm_up"]
+
+
+def warm_up() -> Iterator[str]:
+    """Yield the name of each planner once it is compiled."""
+    problems = _problems()
+    for name, entry in PLANNERS.items():
+        for problem in problems:
+            try:
+                planner = entry.make()
+                if planner.handles(problem) is None:
+                    solve(problem, planner, stop=max_ticks(3))
+            except (SoonerError, ModuleNotFoundError):  # a small map may be too small for it
+                continue
+        yield name
+
+
+def _problems() -> tuple[SearchProblem, ...]:
+    """A copter, a fixed wing, and both with an end cell: the kinds of flight that kernels tell apart."""
+    copter = bimodal(size=24).problem(steps=40)
+    there = replace(copter.searcher, end=copter.searcher.start)
+    wing = replace(copter.searcher, moves=CellMoves("fixed_wing"))
+    rocks = np.zeros(copter.grid.shape, bool)
+    rocks[0, 0] = True
+    return (
+        copter,
+        replace(copter, searchers=(there,), grid=Grid(copter.grid.shape, obstacles=rocks)),
+        replace(copter, searchers=(wing,)),
+        replace(copter, searchers=(replace(there, moves=CellMoves("fixed_wing")),)),
+    )

@@ -1,0 +1,212 @@
+"""The picture of a plan: the flight over the map, and how the probability of having found the person grows."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sooner.plotting.cells import CellMap
+from sooner.plotting.curves import draw_curve
+from sooner.plotting.style import END, FLIGHT, GREY, INK, PAPER, START, STYLE
+from sooner.problem import Evaluation, Plan
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["Caption", "draw_plan"]
+
+
+@dataclass(frozen=True)
+class Caption:
+    """What the picture says in words.
+
+    Parameters
+    ----------
+    name : str                 of the mission
+    planner : str
+    bound : float              of the objective; inf while nothing is proved
+    bound_proof : str
+    step_s : float or None     seconds a step; None: time is told in steps
+    cell_m : float or None     metres a cell; None: no scale bar
+    """
+
+    name: str = ""
+    planner: str = ""
+    bound: float = np.inf
+    bound_proof: str = ""
+    step_s: float | None = None
+    cell_m: float | None = None
+
+
+def draw_plan(
+    evaluation: Evaluation,
+    plan: Plan,
+    poc: NDArray[np.float64],
+    glimpse: NDArray[np.float64] | None = None,
+    caption: Caption | None = None,
+) -> bytes:
+    """PNG of a plan.
+
+    Parameters
+    ----------
+    evaluation : Evaluation      as the judge gives it
+    plan : Plan                  of cell moves
+    poc : (H, W) float           where the person may be before the flight
+    glimpse : (H, W) float       P(detect in one look | there)
+    caption : Caption
+    """
+    import matplotlib as mpl
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    caption = caption or Caption()
+    plain: dict[Any, Any] = dict(mpl.rcParamsDefault)
+    with mpl.rc_context(plain | STYLE):
+        figure = Figure(figsize=(13.0, 7.4), facecolor=PAPER, layout=None)
+        FigureCanvasAgg(figure)
+        _compose(figure, evaluation, plan, poc, glimpse, caption)
+        drawn = io.BytesIO()
+        figure.savefig(drawn, format="png", dpi=120, facecolor=PAPER, metadata={"Software": "sooner"})
+    return drawn.getvalue()
+
+
+def _compose(
+    figure: Figure,
+    evaluation: Evaluation,
+    plan: Plan,
+    poc: NDArray[np.float64],
+    glimpse: NDArray[np.float64] | None,
+    caption: Caption,
+) -> None:
+    _title(figure, evaluation, caption)
+    cells = CellMap(evaluation.problem.grid)
+    over_map = figure.add_axes((0.035, 0.06, 0.5, 0.80))
+    _draw_flight(over_map, cells, evaluation, plan, poc, caption)
+    draw_curve(figure.add_axes((0.615, 0.50, 0.36, 0.36)), evaluation, caption.bound, caption.step_s)
+    panels: list[tuple[str, NDArray[np.float64], str, str]] = []
+    if evaluation.problem.drift is None:
+        panels.append(("Still unseen after the flight", remaining(evaluation, poc), "poc", ""))
+    else:
+        panels.append(("Where the person may be", poc.ravel(), "poc", ""))
+    panels.append(("How often it was looked at", evaluation.looks.astype(float), "looks", ""))
+    if glimpse is not None:
+        panels.append(("How well one look detects", np.ravel(glimpse), "glimpse", ""))
+    width = 0.36 / len(panels)
+    for number, (title, values, kind, _) in enumerate(panels):
+        axes = figure.add_axes((0.615 + number * width, 0.06, width * 0.92, 0.30))
+        peak = float(poc.max())
+        cells.draw_layer(axes, values, kind, peak)
+        axes.set_title(title, fontsize=9, color=INK, loc="left", pad=5)
+
+
+def remaining(evaluation: Evaluation, poc: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N,): probability that the person is in the cell and has not been detected, after all looks."""
+    left = np.array(poc, np.float64).ravel()
+    cells = np.flatnonzero(evaluation.looks)
+    look = 0
+    while cells.size:
+        left[cells] -= evaluation.problem.gains.of(cells, np.full(cells.size, look))
+        look += 1
+        cells = cells[evaluation.looks[cells] > look]
+    return np.maximum(left, 0.0)
+
+
+def _title(figure: Figure, evaluation: Evaluation, caption: Caption) -> None:
+    time = duration(float(evaluation.times[-1]), caption.step_s)
+    by = f", planned by {caption.planner}" if caption.planner else ""
+    figure.text(0.035, 0.945, caption.name, fontsize=17, color=INK, weight="bold", va="center")
+    told = [f"{evaluation.total:.1%} found in {time}{by}"]
+    if evaluation.problem.objective.target is None and np.isfinite(caption.bound):
+        told.append(f"no flight can pass {caption.bound:.1%}")
+    if evaluation.efficiency is not None:
+        told.append(f"{evaluation.efficiency:.1%} of what teleporting would find")
+    figure.text(0.035, 0.895, "   ·   ".join(told), fontsize=11.5, color=INK, va="center")
+
+
+def duration(steps: float, step_s: float | None) -> str:
+    """As `30:00 min`, or in steps where nobody says how long one takes.
+
+    >>> duration(900, 2.0), duration(900, None)
+    ('30:00 min', '900 steps')
+    """
+    if step_s is None:
+        return f"{steps:g} steps"
+    minutes, seconds = divmod(round(steps * step_s), 60)
+    return f"{minutes}:{seconds:02d} min"
+
+
+def _draw_flight(
+    axes: Axes, cells: CellMap, evaluation: Evaluation, plan: Plan, poc: NDArray[np.float64], caption: Caption
+) -> None:
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    cells.draw_layer(axes, np.ravel(poc), "poc", float(poc.max()), numbered=True)
+    longest = max(max(len(actions) for actions in plan.actions) - 1, 1)
+    step = (caption.step_s or 60.0) / 60.0
+    clock = Normalize(0, longest * step)
+    for actions in plan.actions:
+        _draw_path(axes, cells, cells.grid.centres_m[actions], clock, step)
+        start = cells.grid.centres_m[actions[0]]
+        last = cells.grid.centres_m[actions[-1]]
+        home = np.array_equal(start, last)
+        if not home:
+            axes.plot(*last, "s", ms=10, mfc=END, mec="white", mew=1.6, zorder=6, label="end")
+        axes.plot(
+            *start, "o", ms=11, mfc=START, mec="white", mew=1.8, zorder=7, label="start and end" if home else "start"
+        )
+    seen = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+    axes.legend(
+        seen.values(), seen.keys(), loc="upper left", fontsize=9, framealpha=0.9, edgecolor="none", handletextpad=0.3
+    )
+    if caption.cell_m is not None:
+        _scale_bar(axes, cells, caption.cell_m)
+    colours = axes.figure.colorbar(ScalarMappable(clock, FLIGHT), ax=axes, fraction=0.03, pad=0.015, aspect=45)
+    colours.set_label("minutes into the flight" if caption.step_s else "steps into the flight", fontsize=9, color=INK)
+    colours.outline.set_visible(False)
+    colours.ax.tick_params(labelsize=8, length=0, colors=GREY)
+
+
+def _draw_path(axes: Axes, cells: CellMap, path: NDArray[np.float64], clock: Any, step: float) -> None:
+    from matplotlib.collections import LineCollection
+
+    if len(path) < 2:
+        return
+    legs = np.stack([path[:-1], path[1:]], axis=1)
+    points_a_cell = 450.0 / (float(np.ptp(axes.get_xlim())) / cells.grid.cell_m)
+    width = float(np.clip(0.4 * points_a_cell, 0.7, 3.2))
+    halo = LineCollection(list(legs), colors="white", linewidths=width + 1.4, capstyle="round", zorder=4, alpha=0.85)
+    line = LineCollection(list(legs), cmap=FLIGHT, norm=clock, linewidths=width, capstyle="round", zorder=5)
+    line.set_array(np.arange(len(legs)) * step)
+    axes.add_collection(halo)
+    axes.add_collection(line)
+
+
+def _scale_bar(axes: Axes, cells: CellMap, cell_m: float) -> None:
+    """A bar of a round number of metres, about a fifth of the map, in its lower right corner."""
+    left, right = axes.get_xlim()
+    low, high = axes.get_ylim()
+    fifth = (right - left) / 5
+    unit = 10.0 ** np.floor(np.log10(fifth))
+    length = float(max(factor for factor in (1, 2, 5) if factor * unit <= fifth) * unit)
+    label = f"{length / 1000:g} km" if length >= 1000 else f"{length:g} m"
+    x, y = right - 0.03 * (right - left), low + 0.035 * (high - low)
+    axes.plot([x - length, x], [y, y], color="white", lw=7, solid_capstyle="butt", zorder=8)
+    axes.plot([x - length, x], [y, y], color=INK, lw=3, solid_capstyle="butt", zorder=9)
+    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5}
+    axes.text(
+        x - length / 2,
+        y + 0.012 * (high - low),
+        label,
+        ha="center",
+        va="bottom",
+        fontsize=9,
+        color=INK,
+        bbox=box,
+        zorder=8,
+    )

@@ -1,0 +1,25 @@
+"""Colours and type, chosen to be told apart by everybody and to print well."""
+
+from __future__ import annotations
+
+from typing import Any
+
+__all__ = ["BOUND", "END", "FLIGHT", "GLIMPSE", "GREY", "INK", "LOOKS", "PAPER", "POC", "START", "STYLE", "VALUE"]
+
+INK, GREY, PAPER = "#22262b", "#6b7280", "white"
+POC = "Greys"  # darker: more likely
+FLIGHT = "plasma"  # by time; even in lightness, safe for colour-blind eyes
+GLIMPSE = "YlGnBu_r"
+LOOKS = "Blues"
+START, END = "#0072b2", "#d55e00"  # after Okabe and Ito
+VALUE, BOUND = "#0072b2", "#d55e00"
+
+STYLE: dict[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "axes.edgecolor": "#c4c9d0",
+    "axes.linewidth": 0.8,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": GREY,
+    "ytick.color": GREY,
+}

@@ -1,0 +1,38 @@
+"""Every scenario by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from sooner.scenarios.bimodal import bimodal
+from sooner.scenarios.many_hills import many_hills
+from sooner.scenarios.rugged_ridge import rugged_ridge
+from sooner.scenarios.scenario import Scenario
+
+__all__ = ["SCENARIOS", "make_scenario"]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One scenario: how it is made, and what it is about."""
+
+    make: Callable[..., Scenario]
+    about: str
+
+
+SCENARIOS: dict[str, Entry] = {
+    "many-hills": Entry(many_hills, "40 hills of all sizes, half an hour of flight, and home again (100 x 100 cells)"),
+    "rugged-ridge": Entry(rugged_ridge, "a ridge, forest that hides, rocks in the way (100 x 100 cells)"),
+    "bimodal": Entry(bimodal, "a broad hill and a sharp one (60 x 60 cells)"),
+}
+
+
+def make_scenario(name: str, seed: int | None = None) -> Scenario:
+    """The scenario of that name; another seed makes another search of its kind.
+
+    >>> make_scenario("bimodal").weights.shape
+    (60, 60)
+    """
+    make = SCENARIOS[name].make
+    return make() if seed is None else make(seed)
