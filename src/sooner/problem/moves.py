@@ -34,6 +34,9 @@ class Looks:
 class Moves(Protocol):
     """What a model of moves must answer; cells here, regions and waypoints beside it."""
 
+    def n_items(self, grid: Grid) -> int:
+        """How many rows the gain table has: cells here, atoms where regions move."""
+
     def fault(self, grid: Grid, searcher: Searcher, actions: NDArray[np.int64]) -> str | None:
         """Why these actions are not legal, or None if they are."""
 
@@ -62,6 +65,10 @@ class CellMoves:
             raise InvalidProblemError(f"kind {self.kind!r} came; expected 'copter' or 'fixed_wing'")
         if not (np.isfinite(self.step_s) and self.step_s > 0):
             raise InvalidProblemError(f"a step of {self.step_s} s came; expected a positive number")
+
+    def n_items(self, grid: Grid) -> int:
+        """One row for each cell."""
+        return grid.n_cells
 
     def fault(self, grid: Grid, searcher: Searcher, actions: NDArray[np.int64]) -> str | None:
         """Why this sequence of cells cannot be flown, or None if it can."""

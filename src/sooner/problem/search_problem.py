@@ -117,11 +117,12 @@ class SearchProblem:
     drift: Drift | None = None
 
     def __post_init__(self) -> None:
-        if self.gains.n_cells != self.grid.n_cells:
-            raise InvalidProblemError(f"gains of {self.gains.n_cells} cells came; the grid has {self.grid.n_cells}")
         if not self.searchers:
             raise InvalidProblemError("no searcher came; expected at least one")
         for number, searcher in enumerate(self.searchers):
+            items = searcher.moves.n_items(self.grid)
+            if self.gains.n_cells != items:
+                raise InvalidProblemError(f"gains of {self.gains.n_cells} cells came; the grid has {items}")
             try:
                 _check_searcher(self.grid, searcher)
             except InvalidProblemError as error:
