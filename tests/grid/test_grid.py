@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from sooner.errors import InvalidProblemError
 from sooner.grid import Grid
@@ -9,7 +9,6 @@ from tests.oracles.walks import adjacent
 from tests.strategies import grids
 
 
-@settings(deadline=None)
 @given(grid=grids())
 def test_neighbours_are_the_cells_one_step_away_in_metres(grid: Grid) -> None:
     gains = Gains(np.zeros((grid.n_cells, 1)), np.zeros(grid.n_cells))
@@ -20,7 +19,6 @@ def test_neighbours_are_the_cells_one_step_away_in_metres(grid: Grid) -> None:
         assert found == sorted(expected[cell])
 
 
-@settings(deadline=None)
 @given(grid=grids())
 def test_distances_obey_the_triangle_of_one_step(grid: Grid) -> None:
     source = int(np.argmax(grid.passable))

@@ -1,7 +1,7 @@
 """Every planner on every small problem that it handles."""
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 
 from sooner.planners.receding import Receding
 from sooner.planners.registry import PLANNERS, make_planner
@@ -11,7 +11,7 @@ from sooner.problem import SearchProblem
 from tests.planners.contract import check_contract
 from tests.strategies import problems
 
-relaxed = settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+relaxed = settings(max_examples=40)
 
 
 @pytest.mark.parametrize("name", list(PLANNERS))

@@ -1,7 +1,7 @@
 from dataclasses import replace
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 
 from sooner.errors import UnsupportedProblemError
 from sooner.planners import Greedy, max_ticks, solve
@@ -12,7 +12,7 @@ from tests.problem.test_evaluate import line
 from tests.strategies import problems
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40)
 @given(problem=problems(target=True))
 def test_it_is_never_quicker_than_the_quickest_of_all_walks(problem: SearchProblem) -> None:
     best = solve(problem, Soonest(Greedy()), max_ticks(20)).best

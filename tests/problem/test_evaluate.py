@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sooner.belief import Belief, predict, update_on_miss
@@ -25,7 +25,7 @@ from sooner.problem import (
 from tests.oracles.walks import total, walks
 from tests.strategies import problems
 
-relaxed = settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+relaxed = settings(max_examples=60)
 
 
 def line(*weights: float, budget: int = 3, glimpse: float = 0.5, **searcher) -> SearchProblem:

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sooner.belief import Belief
@@ -9,7 +9,6 @@ from sooner.problem import Gains, detection_gains
 from tests.strategies import gain_tables
 
 
-@settings(deadline=None)
 @given(gain_tables(5), st.lists(st.integers(0, 6), min_size=5, max_size=5))
 def test_gains_after_looks_are_the_later_gains(gains: Gains, looked: list[int]) -> None:
     cells, later = np.arange(5), np.array(looked)

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sooner.errors import InfeasibleProblemError, InvalidProblemError, UnsupportedProblemError
@@ -10,7 +10,7 @@ from sooner.problem import CellMoves, Drift, Gains, Objective, Reach, Searcher, 
 from tests.oracles.walks import adjacent, optimum
 from tests.strategies import grids, problems
 
-relaxed = settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+relaxed = settings(max_examples=60)
 WING = CellMoves("fixed_wing")
 
 
@@ -95,7 +95,7 @@ def test_teleporting_is_no_reference_for_a_person_who_moves() -> None:
         teleport(SearchProblem(grid, Gains.independent(drift.poc, drift.glimpse), (Searcher((0, 0), 2),), drift=drift))
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=30)
 @given(grid=grids(), pick=st.integers(0, 10**6), has_end=st.booleans(), wing=st.booleans())
 def test_reach_says_exactly_which_flights_can_be_finished(grid: Grid, pick: int, has_end: bool, wing: bool) -> None:
     """Against the set of all states that a flight can be in, step by step."""
