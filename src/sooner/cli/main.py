@@ -57,14 +57,19 @@ def _parsed(arguments: Sequence[str]) -> int:
     return status if isinstance(status, int) else 0
 
 
-@app.callback()
-def sooner(
-    version: Annotated[bool, typer.Option("--version", help="Print the version.", is_eager=True)] = False,
-) -> None:
-    """Plans where drones look, so that a lost person is found sooner."""
-    if version:
+def _tell_version(asked: bool) -> None:
+    if asked:
         print(f"sooner {__version__}")
         raise typer.Exit
+
+
+@app.callback()
+def sooner(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", callback=_tell_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Plans where drones look, so that a lost person is found sooner."""
 
 
 @app.command()

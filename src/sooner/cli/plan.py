@@ -12,7 +12,7 @@ from sooner.cli.words import percent, steps
 from sooner.errors import DataFormatError, Fault
 from sooner.io import Folder
 from sooner.missions import Mission, plan_mission, read_mission
-from sooner.missions.plan_mission import FILES, Planned
+from sooner.missions.planning import FILES, Planned
 from sooner.planners import Status
 
 __all__ = ["plan"]

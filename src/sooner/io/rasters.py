@@ -230,7 +230,7 @@ def _read_npy(path: Path, max_cells: int) -> Raster:
                 read_header = np.lib.format.read_array_header_2_0
             shape, _, dtype = read_header(file)
             begins = file.tell()
-        except (ValueError, EOFError, SyntaxError, TypeError, OverflowError) as error:
+        except Exception as error:  # numpy parses the header as Python, and raises whatever that does
             came = f"something that is not a .npy file came ({_short(str(error), 80)})"
             raise _refusal(path, "", came, expected) from None
         if dtype.hasobject or dtype.kind not in "biuf":
@@ -259,6 +259,7 @@ def _read_geotiff(path: Path, max_cells: int) -> Raster:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NotGeoreferencedWarning)
+            warnings.simplefilter("ignore", PendingDeprecationWarning)  # within rasterio: it multiplies matrices with *
             with rasterio.open(path, driver="GTiff") as source:
                 return _geotiff(path, source, max_cells)
     except RasterioError as error:

@@ -1,7 +1,7 @@
 """The user's work from end to end: a mission file becomes a problem, a plan and a report."""
 
 from sooner.missions.mission_file import Mission, read_mission
-from sooner.missions.plan_mission import Planned, plan_mission
+from sooner.missions.planning import Planned, plan_mission
 from sooner.missions.score import Score, score_plan
 from sooner.missions.settings import Settings
 

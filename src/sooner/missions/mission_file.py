@@ -137,7 +137,7 @@ class _Reading:
                 break
             except ValidationError as error:
                 found = error.errors(include_url=False)
-            for key, fault in _schema_faults(str(self.path), found):
+            for key, fault in _schema_faults(str(self.path), raw, found):
                 if key not in self.wrong:
                     self.wrong.add(key)
                     self.faults.append(fault)
@@ -215,15 +215,14 @@ class _Reading:
             self.fault(key, f'{int(raster.missing.sum())} cells of "no data" came', "expected a number in every cell")
             return None
         least = f"at least {low:g}" if high == np.inf else f"in [{low:g}, {high:g}]"
-        for bad, what in (
-            (~np.isfinite(values), "not finite numbers"),
-            ((values < low) | (values > high), "out of range"),
-        ):
-            if bad.any():
-                row, col = np.argwhere(bad)[0]
-                came = f"{int(bad.sum())} values are {what}, the first {values[row, col]} at [{row}, {col}]"
-                self.fault(key, came, f"expected finite numbers {least}")
-                return None
+        broken = ~np.isfinite(values)
+        beyond = ~broken & ((values < low) | (values > high))
+        came = [
+            _first(values, bad, what) for bad, what in ((broken, "not finite"), (beyond, "out of range")) if bad.any()
+        ]
+        if came:
+            self.fault(key, "; ".join(came), f"expected finite numbers {least}")
+            return None
         return values
 
     def belief(self, settings: Settings, layers: _Layers) -> Belief | None:
@@ -356,6 +355,12 @@ class _Reading:
             raise DataFormatError(*self.faults) from None
 
 
+def _first(values: NDArray[np.float64], bad: NDArray[np.bool_], what: str) -> str:
+    row, col = np.unravel_index(int(np.argmax(bad)), bad.shape)
+    count = int(bad.sum())
+    return f"{count} value{'s are' if count > 1 else ' is'} {what}, the first {values[row, col]:g} at [{row}, {col}]"
+
+
 def _matches(one: Raster, other: Raster) -> bool:
     if one.crs != other.crs or one.corner is None or other.corner is None or not one.cell_m or not other.cell_m:
         return False
@@ -364,7 +369,7 @@ def _matches(one: Raster, other: Raster) -> bool:
     return apart <= near and abs(one.cell_m - other.cell_m) * max(one.values.shape) <= 10 * near
 
 
-def _schema_faults(file: str, found: Iterable[ErrorDetails]) -> list[tuple[str, Fault]]:
+def _schema_faults(file: str, raw: dict[str, Any], found: Iterable[ErrorDetails]) -> list[tuple[str, Fault]]:
     """pydantic's findings in our words, one per key."""
     by_key: dict[str, list[ErrorDetails]] = {}
     for detail in found:
@@ -374,7 +379,7 @@ def _schema_faults(file: str, found: Iterable[ErrorDetails]) -> list[tuple[str, 
         if details[0]["type"] == "extra_forbidden":
             came, expected = "this key is not known", _known(details[0]["loc"])
         else:
-            came = f"{_told(details[0]['input'])} came"
+            came = f"{_told(_at(raw, details[0]['loc']))} came"
             expected = "expected " + " or ".join(dict.fromkeys(_wanted(detail) for detail in details))
         faults.append((key, Fault(file, key, came, expected)))
     return faults
@@ -399,6 +404,12 @@ def _key(loc: tuple[int | str, ...]) -> str:
     for part in _place(loc):
         key += f"[{part}]" if isinstance(part, int) else f".{part}" if key else part
     return key
+
+
+def _at(raw: Any, loc: tuple[int | str, ...]) -> Any:
+    for part in _place(loc):
+        raw = raw[part]
+    return raw
 
 
 def _take_out(raw: Any, loc: tuple[int | str, ...]) -> None:

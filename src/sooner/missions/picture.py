@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from sooner.missions.plan_mission import Planned
+    from sooner.missions.planning import Planned
 
 __all__ = ["plan_picture"]
 

@@ -104,12 +104,7 @@ def _colours(kind: str, peak: float, values: NDArray[np.float64]) -> tuple[Any, 
 
     if kind == "poc":  # square root, so that faint places show; not to full black, so that the flight does
         colours = LinearSegmentedColormap.from_list("poc", mpl.colormaps[POC](np.linspace(0.0, 0.8, 256)))
-        return _with_rocks(colours), PowerNorm(0.5, 0.0, max(peak, 1e-300))
+        return colours.with_extremes(bad=ROCK), PowerNorm(0.5, 0.0, max(peak, 1e-300))
     if kind == "looks":
-        return _with_rocks(mpl.colormaps[LOOKS].copy()), Normalize(0.0, max(float(values.max()), 1.0))
-    return _with_rocks(mpl.colormaps[GLIMPSE].copy()), Normalize(0.0, 1.0)
-
-
-def _with_rocks(colours: Any) -> Any:
-    colours.set_bad(ROCK)
-    return colours
+        return mpl.colormaps[LOOKS].with_extremes(bad=ROCK), Normalize(0.0, max(float(values.max()), 1.0))
+    return mpl.colormaps[GLIMPSE].with_extremes(bad=ROCK), Normalize(0.0, 1.0)

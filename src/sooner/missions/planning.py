@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import sooner
-from sooner.errors import InvalidProblemError, SoonerError
+from sooner.errors import DataFormatError, Fault, InfeasibleProblemError, InvalidProblemError, SoonerError
 from sooner.io import Folder, plan_csv
 from sooner.missions.mission_file import Mission
 from sooner.missions.score import Score, finite, objective_name, score_plan, step_of
@@ -18,6 +18,7 @@ from sooner.planners import Planner, Progress, Solution, max_seconds, solve
 from sooner.planners.receding import Receding
 from sooner.planners.registry import DEFAULT, make_planner
 from sooner.planners.soonest import Soonest
+from sooner.planners.team import Team
 from sooner.problem import SearchProblem
 
 __all__ = ["FILES", "Planned", "plan_mission"]
@@ -123,7 +124,12 @@ def plan_mission(
         raise InvalidProblemError(f"a planning time of {seconds} s came; expected a number above 0")
     name = planner or DEFAULT
     chosen = _choose(mission.problem, name)
-    solution = solve(mission.problem, chosen, stop=max_seconds(seconds), seed=seed, on_tick=on_tick)
+    try:
+        solution = solve(mission.problem, chosen, stop=max_seconds(seconds), seed=seed, on_tick=on_tick)
+    except InfeasibleProblemError as error:
+        raise DataFormatError(
+            Fault(str(mission.path), "searcher", str(error), "expected a flight that can be flown")
+        ) from None
     if not solution.best.plan.actions:
         raise NoPlanYetError(f"{name} found no plan in {solution.seconds:.1f} s; give it more --seconds")
     return Planned(score_plan(mission, solution.best.plan), solution, name)
@@ -135,7 +141,9 @@ def _choose(problem: SearchProblem, name: str) -> Planner:
         planner = make_planner(name)
     except ModuleNotFoundError:  # until the planner has moved in
         planner = make_planner("greedy")
-    if problem.drift is not None:
+    if len(problem.searchers) > 1:
+        planner = Team(planner)
+    elif problem.drift is not None:
         planner = Receding(planner)
     if problem.objective.target is not None:
         planner = Soonest(planner)

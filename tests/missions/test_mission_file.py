@@ -1,0 +1,208 @@
+import numpy as np
+import pytest
+
+from sooner.errors import DataFormatError
+from sooner.missions import read_mission
+from tests.missions.conftest import MISSION, spoiled
+
+ROCK = "0,0,0,0\n0,1,0,0\n0,0,0,0\n"
+STEPS = "[budget]\nsteps = 6"
+START = "start = [0, 0]"
+POC = 'poc = "poc.csv"'
+
+BAD = {
+    "not TOML": ("[area\n", "", "not TOML"),
+    "unknown table": (MISSION + "[extra]\n", "extra", "expected one of name, area"),
+    "unknown key": (spoiled(POC, POC + "\ncolour = 3"), "area.colour", "expected one of poc, outside"),
+    "a table that is a number": (
+        spoiled("[sensor]\nglimpse = 0.5", "").replace("name", "sensor = 3\nname"),
+        "sensor",
+        "3 came",
+    ),
+    "no raster": (spoiled(POC, ""), "area.poc", "nothing came"),
+    "raster of a number": (spoiled(POC, "poc = 3"), "area.poc", "expected text in quotes"),
+    "missing raster": (spoiled(POC, 'poc = "none.csv"'), "area.poc", "there is no such file"),
+    "raster that is a folder": (spoiled(POC, 'poc = ".csv/../."'), "area.poc", "suffix"),
+    "unknown suffix": (spoiled(POC, 'poc = "mission.toml"'), "area.poc", "'.toml' came"),
+    "outside of one": (spoiled(POC, POC + "\noutside = 1.0"), "area.outside", "below 1"),
+    "negative outside": (spoiled(POC, POC + "\noutside = -0.1"), "area.outside", "at least 0"),
+    "cell size of zero": (spoiled("cell_m = 24.0", "cell_m = 0"), "area.cell_m", "above 0"),
+    "unknown grid": (spoiled(POC, POC + '\ngrid = "round"'), "area.grid", "'hex'"),
+    "no searcher": (spoiled(f"[[searcher]]\n{START}\nspeed_mps = 12.0", ""), "searcher", "at least one"),
+    "searcher as one table": (spoiled("[[searcher]]", "[searcher]"), "searcher", "[[searcher]]"),
+    "no start": (spoiled(START, ""), "searcher[0].start", "nothing came"),
+    "start of three numbers": (spoiled(START, "start = [0, 0, 0]"), "searcher[0].start", "[0, 0, 0] came"),
+    "start between cells": (spoiled(START, "start = [0.5, 0]"), "searcher[0].start", "whole numbers"),
+    "start of words": (spoiled(START, 'start = "here"'), "searcher[0].start", "'here' came"),
+    "start off the map": (spoiled(START, "start = [3, 0]"), "searcher[0].start", "rows 0 to 2"),
+    "start at a negative row": (spoiled(START, "start = [-1, 0]"), "searcher[0].start", "rows 0 to 2"),
+    "end off the map": (spoiled(START, START + "\nend = [0, 4]"), "searcher[0].end", "columns 0 to 3"),
+    "end too far": (
+        spoiled(START, START + "\nend = [2, 3]").replace("steps = 6", "steps = 4"),
+        "searcher[0].end",
+        "lies 5 steps",
+    ),
+    "end of the wrong parity": (
+        spoiled(START, START + '\nend = [0, 1]\nkind = "fixed_wing"'),
+        "searcher[0].end",
+        "cannot hover",
+    ),
+    "unknown kind": (spoiled(START, START + '\nkind = "glider"'), "searcher[0].kind", "'copter' or 'fixed_wing'"),
+    "speed of zero": (spoiled("speed_mps = 12.0", "speed_mps = 0"), "searcher[0].speed_mps", "above 0"),
+    "speed of infinity": (spoiled("speed_mps = 12.0", "speed_mps = inf"), "searcher[0].speed_mps", "finite"),
+    "no budget": (spoiled(STEPS, ""), "budget", "nothing came"),
+    "two budgets": (spoiled(STEPS, STEPS + "\nseconds = 9"), "budget", "expected one of them"),
+    "no steps": (spoiled("steps = 6", "steps = 0"), "budget.steps", "at least 1"),
+    "negative steps": (spoiled("steps = 6", "steps = -3"), "budget.steps", "at least 1"),
+    "half a step": (spoiled("steps = 6", "steps = 6.5"), "budget.steps", "whole number"),
+    "steps as text": (spoiled("steps = 6", 'steps = "6"'), "budget.steps", "whole number"),
+    "seconds too few for a step": (spoiled("steps = 6", "seconds = 1"), "budget.seconds", "at least one step"),
+    "seconds without speed": (
+        spoiled("steps = 6", "seconds = 60").replace("speed_mps = 12.0", ""),
+        "searcher[0].speed_mps",
+        "nothing came",
+    ),
+    "seconds without cell size": (
+        spoiled("steps = 6", "seconds = 60").replace("cell_m = 24.0", ""),
+        "area.cell_m",
+        "nothing came",
+    ),
+    "glimpse above one": (spoiled("glimpse = 0.5", "glimpse = 1.5"), "sensor.glimpse", "[0, 1]"),
+    "glimpse of NaN": (spoiled("glimpse = 0.5", "glimpse = nan"), "sensor.glimpse", "nan came"),
+    "two sensors": (spoiled("glimpse = 0.5", 'glimpse = 0.5\ndifficulty = "poc.csv"'), "sensor", "one of them"),
+    "correlation above one": (spoiled("glimpse = 0.5", "correlation = 2"), "sensor.correlation", "at most 1"),
+    "target above one": (MISSION + "[objective]\ndetection_target = 2\n", "objective.detection_target", "at most 1"),
+    "later: evidence": (spoiled(POC, 'evidence = "poc.csv"'), "area.evidence", "does not do yet"),
+    "later: detect": (spoiled("glimpse = 0.5", "detect = 0.5"), "sensor.detect", "does not do yet"),
+    "later: radius": (spoiled("glimpse = 0.5", "radius_m = 8"), "sensor.radius_m", "does not do yet"),
+    "later: regions": (spoiled(START, START + '\nmoves = "regions"'), "searcher[0].moves", "does not do yet"),
+    "later: acceleration": (spoiled(START, START + "\naccel_mps2 = 2"), "searcher[0].accel_mps2", "does not do yet"),
+    "later: information": (MISSION + '[objective]\nkind = "information"\n', "objective.kind", "does not do yet"),
+    "later: latitude": (spoiled(START, "start = {lat = 46.1, lon = 11.2}"), "searcher[0].start", "does not do yet"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_fault_names_file_key_and_what_was_expected(mission, name):
+    text, key, told = BAD[name]
+    path = mission(text)
+    with pytest.raises(DataFormatError) as raised:
+        read_mission(path)
+    assert [(fault.file, fault.key) for fault in raised.value.faults] == [(str(path), key)]
+    assert told in str(raised.value)
+
+
+RASTERS = {
+    "NaN": ("1,nan\n3,4\n", "nan at [0, 1]"),
+    "infinite": ("1,inf\n3,4\n", "inf at [0, 1]"),
+    "negative": ("1,2\n3,-4\n", "-4 at [1, 1]"),
+    "all zero": ("0,0\n0,0\n", "every weight is zero"),
+    "ragged": ("1,2\n3\n", "line 2: 1 values came; expected 2"),
+    "words": ("1,2\n3,four\n", "line 2, value 2: 'four' came"),
+    "empty": ("", "an empty file"),
+    "blank": ("\n \n", "an empty file"),
+    "binary": (bytes(range(256)), "not text"),
+}
+
+
+@pytest.mark.parametrize("name", RASTERS)
+def test_a_bad_raster_is_a_fault_of_the_key_that_names_it(mission, name):
+    content, told = RASTERS[name]
+    path = mission(poc_csv=content)
+    with pytest.raises(DataFormatError) as raised:
+        read_mission(path)
+    assert [(fault.file, fault.key) for fault in raised.value.faults] == [(str(path), "area.poc")]
+    assert told in str(raised.value)
+
+
+@pytest.mark.parametrize(("key", "table"), [("difficulty", "sensor"), ("glimpse", "sensor"), ("obstacles", "area")])
+def test_a_layer_of_another_shape_is_refused(mission, key, table):
+    text = MISSION.replace("glimpse = 0.5", "").replace(f"[{table}]", f'[{table}]\n{key} = "layer.csv"')
+    path = mission(text, layer_csv="0,0\n0,0\n")
+    with pytest.raises(
+        DataFormatError, match=r"2 x 2 cells came in layer\.csv; expected 3 x 4 as in poc\.csv"
+    ) as raised:
+        read_mission(path)
+    assert [fault.key for fault in raised.value.faults] == [f"{table}.{key}"]
+
+
+@pytest.mark.parametrize("which", ["start", "end"])
+def test_a_start_or_end_on_an_obstacle_is_refused(mission, which):
+    searcher = "start = [1, 1]" if which == "start" else "start = [0, 0]\nend = [1, 1]"
+    path = mission(spoiled(POC, POC + '\nobstacles = "rock.csv"').replace(START, searcher), rock_csv=ROCK)
+    with pytest.raises(DataFormatError, match="an obstacle stands there") as raised:
+        read_mission(path)
+    assert [fault.key for fault in raised.value.faults] == [f"searcher[0].{which}"]
+
+
+def test_every_fault_of_a_file_and_of_its_rasters_is_reported_at_once(mission):
+    text = """
+    nme = "x"
+    [area]
+    poc = "poc.csv"
+    outside = 2
+    obstacles = "none.csv"
+    [sensor]
+    difficulty = "layer.csv"
+    [[searcher]]
+    start = [9, 9]
+    end = [1.5, 2]
+    [[searcher]]
+    kind = "glider"
+    [budget]
+    steps = 0
+    [objective]
+    kind = "information"
+    """
+    with pytest.raises(DataFormatError) as raised:
+        read_mission(mission(text, layer_csv="1,2,3,4\n1,2\nx,2,3,-4\n"))
+    keys = [fault.key for fault in raised.value.faults]
+    told = """nme area.outside area.obstacles sensor.difficulty sensor.difficulty searcher[0].start searcher[0].end
+    searcher[1].start searcher[1].kind budget.steps objective.kind"""
+    assert sorted(keys) == sorted(told.split())
+
+
+def test_a_missing_mission_file_is_a_fault(tmp_path):
+    with pytest.raises(DataFormatError, match="no such file"):
+        read_mission(tmp_path / "none.toml")
+    with pytest.raises(DataFormatError, match="a folder came"):
+        read_mission(tmp_path)
+
+
+def test_a_mission_becomes_the_problem_it_describes(mission):
+    read = read_mission(mission())
+    assert read.problem.grid.shape == (3, 4)
+    assert read.problem.searcher.budget == 6
+    assert read.step_s == 2.0
+    np.testing.assert_allclose(read.problem.gains.first, np.ravel([[1, 2, 3, 4], [5, 6, 7, 8], [9, 8, 7, 6]]) / 66 / 2)
+
+
+def test_seconds_become_the_steps_that_fit(mission):
+    assert read_mission(mission(spoiled("steps = 6", "seconds = 13.9"))).problem.searcher.budget == 6
+
+
+def test_diagonal_steps_never_take_longer_than_they_say(mission):
+    square8 = spoiled("steps = 6", "seconds = 30").replace(POC, POC + '\ngrid = "square8"')
+    assert read_mission(mission(square8)).problem.searcher.budget == int(30 / (24 * 2**0.5 / 12))
+
+
+def test_difficulty_becomes_glimpse_as_in_the_paper(mission):
+    text = spoiled("glimpse = 0.5", 'difficulty = "layer.csv"')
+    read = read_mission(mission(text, layer_csv="0,1,2,3\n0,0,0,0\n0,0,0,0\n"))
+    np.testing.assert_array_equal(read.glimpse[0], [1.0, 0.75, 0.5, 0.25])
+
+
+def test_without_a_sensor_every_look_detects_and_a_note_says_so(mission):
+    read = read_mission(mission(spoiled("[sensor]\nglimpse = 0.5", "")))
+    assert (read.glimpse == 1.0).all()
+    assert any("every look" in note for note in read.notes)
+
+
+def test_outside_lowers_every_cell(mission):
+    read = read_mission(mission(spoiled(POC, POC + "\noutside = 0.5")))
+    assert read.belief.poc.sum() == pytest.approx(0.5)
+
+
+def test_correlated_looks_pay_less_the_second_time(mission):
+    read = read_mission(mission(spoiled("glimpse = 0.5", "glimpse = 0.5\ncorrelation = 1.0")))
+    assert read.problem.gains.of(np.array([0]), np.array([1]))[0] == 0.0
