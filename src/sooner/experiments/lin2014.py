@@ -1,0 +1,260 @@
+"""Lin and Goodrich 2014, run again: their maps, their planners, every number they print.
+
+L. Lin, M. A. Goodrich, "Hierarchical heuristic search using a Gaussian mixture model for UAV coverage planning",
+IEEE Transactions on Cybernetics 44 (2014), 2532-2544.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sooner.belief import Belief
+from sooner.errors import DataFormatError, Fault
+from sooner.experiments.lin2014_claims import TABLES, claims
+from sooner.experiments.study import Reproduced, commit, processor
+from sooner.experiments.trials import Estimate, estimate, run_trials
+from sooner.grid import Grid
+from sooner.planners import max_seconds, max_ticks, solve
+from sooner.planners.planner import Planner
+from sooner.problem import Searcher, SearchProblem, detection_gains, evaluate
+from sooner.sensors import glimpse_from_difficulty
+
+__all__ = ["Case", "Outcome", "Trial", "posed", "run_study", "run_trial"]
+
+TIMED = 3  # seeds of each case that are run again, one at a time, for the tables of times
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One map flown from one start for so many steps by one planner.
+
+    Parameters
+    ----------
+    instance : str             its name in the study
+    map : str                  stem of the two files, `<map>_dist.csv` and `<map>_diff.csv`
+    start, end : (row, col)
+    steps : int
+    planner : str              its name in the study
+    make : str                 "module:Class"
+    settings : tuple           pairs, the arguments of that class
+    seconds : float or None    planning time; None lets the planner finish
+    proved : bool              with a bound running beside it
+    """
+
+    instance: str
+    map: str
+    start: tuple[int, int]
+    end: tuple[int, int] | None
+    steps: int
+    planner: str
+    make: str
+    settings: tuple[tuple[str, Any], ...] = ()
+    seconds: float | None = None
+    proved: bool = False
+
+    def planner_made(self) -> Planner:
+        """The planner, with its settings."""
+        module, name = self.make.split(":")
+        planner: Planner = getattr(import_module(module), name)(**dict(self.settings))
+        if not self.proved:
+            return planner
+        from sooner.planners.proved import Proved
+
+        return Proved(planner)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A case under one seed, with the folder of its maps."""
+
+    case: Case
+    seed: int
+    data: Path
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a trial: percent of what teleporting collects, and seconds.
+
+    Parameters
+    ----------
+    efficiency : float         Efficiency_LB in percent [Lin2014, eq. (9)]
+    bound : float              what no plan exceeds, in the same percent; 100 where only teleport is known
+    seconds : float            wall-clock time of planning, kernels loaded
+    cells : tuple of int       the path
+    """
+
+    efficiency: float
+    bound: float
+    seconds: float
+    cells: tuple[int, ...]
+
+
+def posed(
+    data: Path, name: str, start: tuple[int, int], steps: int, end: tuple[int, int] | None = None
+) -> SearchProblem:
+    """One of the authors' maps as a search problem.
+
+    Raises
+    ------
+    DataFormatError            naming the file that cannot be used
+    """
+    weights, difficulty = _read(data / f"{name}_dist.csv"), _read(data / f"{name}_diff.csv")
+    if weights.shape != difficulty.shape:
+        raise DataFormatError(Fault(f"{name}_diff.csv", "", f"came {difficulty.shape}", f"expected {weights.shape}"))
+    gains = detection_gains(Belief.from_weights(weights), glimpse_from_difficulty(difficulty))
+    return SearchProblem(Grid(weights.shape), gains, (Searcher(start, steps, end),))
+
+
+def _read(path: Path) -> np.ndarray[Any, np.dtype[np.float64]]:
+    try:
+        return np.loadtxt(path, delimiter=",", ndmin=2)
+    except (OSError, ValueError) as error:
+        raise DataFormatError(Fault(str(path), "", str(error), "expected rows of numbers")) from error
+
+
+def run_trial(trial: Trial) -> Outcome:
+    """Plan once, in a process whose kernels are loaded."""
+    case = trial.case
+    problem = posed(trial.data, case.map, case.start, case.steps, case.end)
+    _load_kernels(case, problem)
+    began = time.perf_counter()
+    stop = max_seconds(case.seconds) if case.seconds is not None else None
+    best = solve(problem, case.planner_made(), stop, trial.seed).best
+    seconds = time.perf_counter() - began
+    judged, teleport = evaluate(problem, best.plan), problem.teleport.value
+    bound = 100.0 * min(best.bound, teleport) / teleport
+    return Outcome(100.0 * judged.value / teleport, bound, seconds, tuple(map(int, best.plan.actions[0])))
+
+
+_loaded: set[tuple[str, bool, str]] = set()
+
+
+def _load_kernels(case: Case, problem: SearchProblem) -> None:
+    """Once a process, so that no trial pays for it; not for planners that take their time from their settings."""
+    known = (case.make, case.proved, case.map)
+    if known not in _loaded and "seconds" not in dict(case.settings):
+        solve(problem, case.planner_made(), max_ticks(1))
+    _loaded.add(known)
+
+
+def run_study(
+    study: Mapping[str, Any], data: Path, trials: int, workers: int, say: Say
+) -> tuple[list[Reproduced], dict[Case, list[Outcome]]]:
+    """Run every table of the study, and what the paper claims in its text.
+
+    Cases that end by themselves share the workers; those that plan against the clock, and the first seeds of every
+    case that has a table of times, run alone, one after the other.
+    """
+    cases = list(dict.fromkeys(case for table in study["tables"] for _, _, case in _cells(study, table)))
+    shared = [Trial(case, seed, data) for case in cases if not _clocked(case) for seed in range(trials)]
+    alone = [Trial(case, seed, data) for case in cases if _clocked(case) for seed in range(trials)]
+    timed = [Trial(case, seed, data) for case in _with_times(study) for seed in range(min(trials, TIMED))]
+    outcomes = _together(shared, run_trials(run_trial, shared, workers, _saying(say, "trials")))
+    times = _together(timed, run_trials(run_trial, timed, 1, _saying(say, "timed trials, one at a time")))
+    outcomes |= _together(alone, run_trials(run_trial, alone, 1, _saying(say, "trials against the clock")))
+    mark = Reproduced("", "", "", 0.0, 0.0, 0.0, 0, commit(), processor())
+    rows = [row for table in study["tables"] for row in _table(study, table, outcomes, times, mark)]
+    spread = {name: _widest(study, name, outcomes) for name in TABLES.values()}
+    rows += [
+        replace(
+            mark, table=t, row=r, column=c, value=v, low=v, high=v, n=min(trials, TIMED) if "Speed" in t else trials
+        )
+        for t, r, c, v in claims({row.key: row.value for row in rows}, spread, data)
+    ]
+    return rows, outcomes
+
+
+def _clocked(case: Case) -> bool:
+    return case.seconds is not None or "seconds" in dict(case.settings)
+
+
+def _together(trials: Sequence[Trial], outcomes: Sequence[Outcome]) -> dict[Case, list[Outcome]]:
+    found: dict[Case, list[Outcome]] = {}
+    for trial, outcome in zip(trials, outcomes, strict=True):
+        found.setdefault(trial.case, []).append(outcome)
+    return found
+
+
+def _saying(say: Say, what: str) -> Callable[[int, int], None]:
+    def on_done(done: int, of: int) -> None:
+        if done == of or done % max(of // 20, 1) == 0:
+            say(f"{done} of {of} {what}")
+
+    return on_done
+
+
+def _cells(study: Mapping[str, Any], table: Mapping[str, Any]) -> Iterator[tuple[str, str, Case]]:
+    """Row, column and case of every cell of a table."""
+    for instance in table["instances"]:
+        place = study["instances"][instance]
+        for planner in table["planners"]:
+            chosen = dict(study["planners"][planner])
+            case = Case(
+                instance=instance,
+                map=place["map"],
+                start=tuple(place["start"]),
+                end=tuple(place["end"]) if "end" in place else None,
+                steps=0,
+                planner=planner,
+                make=chosen.pop("make"),
+                seconds=chosen.pop("plan_seconds", None),
+                proved=chosen.pop("proved", False),
+                settings=tuple((key, tuple(v) if isinstance(v, list) else v) for key, v in chosen.items()),
+            )
+            for steps in table["steps"]:
+                names = {"instance": instance, "planner": planner, "steps": steps}
+                yield table["row"].format(**names), table["column"].format(**names), replace(case, steps=steps)
+
+
+def _with_times(study: Mapping[str, Any]) -> list[Case]:
+    tables = [table for table in study["tables"] if "times" in table]
+    return [case for case in dict.fromkeys(c for t in tables for _, _, c in _cells(study, t)) if not _clocked(case)]
+
+
+def _table(
+    study: Mapping[str, Any],
+    table: Mapping[str, Any],
+    outcomes: Mapping[Case, Sequence[Outcome]],
+    times: Mapping[Case, Sequence[Outcome]],
+    mark: Reproduced,
+) -> Iterator[Reproduced]:
+    """The rows of one table, then of its table of times."""
+    statistic, measure = table.get("statistic", "mean"), table.get("measure", "efficiency")
+    for row, column, case in _cells(study, table):
+        found = estimate([_of(outcome, measure) for outcome in outcomes[case]], statistic)
+        yield _row(mark, table["name"], row, column, found)
+    if "times" in table:
+        for row, column, case in _cells(study, table):
+            found = estimate([outcome.seconds for outcome in times.get(case, outcomes[case])], statistic)
+            yield _row(mark, table["times"], row, column, found)
+
+
+def _of(outcome: Outcome, measure: str) -> float:
+    if measure == "proved":  # how much of the optimum the plan surely has
+        return 100.0 * outcome.efficiency / outcome.bound
+    return float(getattr(outcome, measure))
+
+
+def _row(mark: Reproduced, table: str, row: str, column: str, found: Estimate) -> Reproduced:
+    return replace(
+        mark, table=table, row=row, column=column, value=found.value, low=found.low, high=found.high, n=found.n
+    )
+
+
+def _widest(study: Mapping[str, Any], instance: str, outcomes: Mapping[Case, Sequence[Outcome]]) -> float:
+    """Largest standard deviation of Efficiency_LB over the cells that the paper prints, as a fraction."""
+    return max(
+        float(np.std([outcome.efficiency / 100.0 for outcome in found]))
+        for case, found in outcomes.items()
+        if case.instance == instance and case.planner in study["printed"]
+    )
