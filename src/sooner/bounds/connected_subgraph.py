@@ -252,6 +252,7 @@ class _Dual:
         self.cost, self.prize = np.empty((n, degree)), np.empty(n)
         self.repeats, self.via = np.empty(n, np.int64), np.empty(n, np.int32)
         self.state = np.zeros(3, np.int64)
+        self.worth = np.empty(n)
         reached, key, item, mark = np.empty(n, np.bool_), np.empty(n), np.empty(n, np.int32), np.zeros(n, np.int32)
         self.queue: tuple[Any, ...] = (reached, key, item, mark, np.empty(n, np.int32))
         self.arcs = np.empty(n * degree, np.int64)
@@ -268,9 +269,9 @@ class _Dual:
         rest -= float(net.ends @ lam) + (net.n_open * float(lam.min()) if net.n_open else 0.0)
         self.worth = self.prize.copy()
         smallest = self.settings.smallest_cut if keep_cuts else inf
-        _kernels.start_ascent(
-            net.neighbours, net.reverse, net.free, self.cost, self.prize, self.state, *self.queue[:-1]
-        )
+        start: Any = _kernels.start_ascent
+        ascend: Any = _kernels.ascend
+        start(net.neighbours, net.reverse, net.free, self.cost, self.prize, self.state, *self.queue)
         while True:
             before = cuts.count
             cuts.count = ascend(
