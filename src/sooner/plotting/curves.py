@@ -18,6 +18,8 @@ __all__ = ["draw_curve"]
 
 def draw_curve(axes: Axes, evaluation: Evaluation, bound: float = np.inf, step_s: float | None = None) -> None:
     """Draw how the probability of having found the person grows."""
+    from matplotlib.ticker import MaxNLocator
+
     unit = step_s / 60.0 if step_s else 1.0
     times, cdp = evaluation.times * unit, evaluation.cdp * 100
     top, end = float(cdp[-1]), float(times[-1])
@@ -45,6 +47,7 @@ def draw_curve(axes: Axes, evaluation: Evaluation, bound: float = np.inf, step_s
     axes.set_ylim(0, top * 1.08 if top > 0 else 1.0)
     axes.set_title("Probability of having found the person, %", fontsize=10.5, loc="left", color=INK, pad=8)
     axes.set_xlabel("minutes into the flight" if step_s else "steps into the flight", fontsize=9)
+    axes.xaxis.set_major_locator(MaxNLocator(steps=[1, 2, 5, 10], integer=True))
     axes.tick_params(labelsize=8.5, length=0)
     axes.grid(color="#e5e7eb", lw=0.7)
     axes.set_axisbelow(True)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from sooner.plotting.cells import CellMap
 from sooner.plotting.curves import draw_curve
-from sooner.plotting.style import END, FLIGHT, GREY, INK, PAPER, START, STYLE
+from sooner.plotting.layers import Layer, flight_colours, glimpse_layer, looks_layer, poc_layer, time_layer
+from sooner.plotting.style import END, GREY, INK, PAPER, START, STYLE
 from sooner.problem import Evaluation, Plan
 
 if TYPE_CHECKING:
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Caption", "draw_plan"]
+
+WIDTH, HEIGHT = 13.0, 7.4  # inches
 
 
 @dataclass(frozen=True)
@@ -67,7 +70,7 @@ def draw_plan(
     caption = caption or Caption()
     plain: dict[Any, Any] = dict(mpl.rcParamsDefault)
     with mpl.rc_context(plain | STYLE):
-        figure = Figure(figsize=(13.0, 7.4), facecolor=PAPER, layout=None)
+        figure = Figure(figsize=(WIDTH, HEIGHT), facecolor=PAPER, layout=None)
         FigureCanvasAgg(figure)
         _compose(figure, evaluation, plan, poc, glimpse, caption)
         drawn = io.BytesIO()
@@ -85,23 +88,63 @@ def _compose(
 ) -> None:
     _title(figure, evaluation, caption)
     cells = CellMap(evaluation.problem.grid)
-    over_map = figure.add_axes((0.035, 0.06, 0.5, 0.80))
-    _draw_flight(over_map, cells, evaluation, plan, poc, caption)
-    draw_curve(figure.add_axes((0.615, 0.50, 0.36, 0.36)), evaluation, caption.bound, caption.step_s)
-    panels: list[tuple[str, NDArray[np.float64], str, str]] = []
-    if evaluation.problem.drift is None:
-        panels.append(("Still unseen after the flight", remaining(evaluation, poc), "poc", ""))
-    else:
-        panels.append(("Where the person may be", poc.ravel(), "poc", ""))
-    panels.append(("How often it was looked at", evaluation.looks.astype(float), "looks", ""))
-    if glimpse is not None:
-        panels.append(("How well one look detects", np.ravel(glimpse), "glimpse", ""))
-    width = 0.36 / len(panels)
-    for number, (title, values, kind, _) in enumerate(panels):
-        axes = figure.add_axes((0.615 + number * width, 0.06, width * 0.92, 0.30))
-        peak = float(poc.max())
-        cells.draw_layer(axes, values, kind, peak)
+    _draw_flight(figure.add_axes((0.035, 0.06, 0.5, 0.80)), cells, evaluation, plan, poc, caption)
+    draw_curve(figure.add_axes((0.625, 0.49, 0.355, 0.34)), evaluation, caption.bound, caption.step_s)
+    west, east, south, north = cells.extent
+    tall = (north - south) / (east - west) * WIDTH / HEIGHT  # of a panel that is as wide as its share of the figure
+    wide = min(0.111, 0.27 / tall)
+    for number, (title, layer) in enumerate(_panels(evaluation, plan, poc, glimpse, caption)):
+        left, top = 0.625 + 0.122 * number, 0.375
+        axes = figure.add_axes((left, top - wide * tall, wide, wide * tall))
+        cells.draw_layer(axes, layer)
         axes.set_title(title, fontsize=9, color=INK, loc="left", pad=5)
+        _key(figure.add_axes((left, top - wide * tall - 0.026, max(wide, 0.06), 0.011)), layer)
+
+
+def _panels(
+    evaluation: Evaluation,
+    plan: Plan,
+    poc: NDArray[np.float64],
+    glimpse: NDArray[np.float64] | None,
+    caption: Caption,
+) -> list[tuple[str, Layer]]:
+    peak = float(poc.max())
+    minutes = caption.step_s / 60.0 if caption.step_s else 1.0
+    first = first_looks(evaluation, plan) * minutes
+    panels = []
+    if evaluation.problem.drift is None:
+        panels.append(("Still unseen afterwards", poc_layer(remaining(evaluation, poc), peak)))
+    else:
+        panels.append(("Before the flight", poc_layer(np.ravel(poc), peak)))
+    panels.append(("First look, minutes" if caption.step_s else "First look, steps", time_layer(first)))
+    if glimpse is not None and np.ptp(glimpse) > 0:
+        panels.append(("One look detects, %", glimpse_layer(np.ravel(glimpse))))
+    else:
+        panels.append(("Looks at each cell", looks_layer(evaluation.looks)))
+    return panels
+
+
+def _key(axes: Axes, layer: Layer) -> None:
+    """A narrow bar that says what the colours of a panel mean."""
+    low, high = layer.ends
+    ramp = np.linspace(0.0, 1.0, 128)[None, :]
+    axes.imshow(layer.colours(ramp), aspect="auto", extent=(0, 1, 0, 1))
+    axes.set_xticks([0, 1], [low, high])
+    first, last = axes.get_xticklabels()
+    first.set_horizontalalignment("left")
+    last.set_horizontalalignment("right")
+    axes.set_yticks([])
+    axes.tick_params(labelsize=7.5, length=0, pad=2)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+
+
+def first_looks(evaluation: Evaluation, plan: Plan) -> NDArray[np.float64]:
+    """(N,): step of the first look at each cell, NaN where there was none."""
+    first = np.full(evaluation.problem.grid.n_cells, np.inf)
+    for actions in plan.actions:
+        np.minimum.at(first, actions, np.arange(len(actions), dtype=np.float64))
+    return np.where(np.isfinite(first), first, np.nan)
 
 
 def remaining(evaluation: Evaluation, poc: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -145,8 +188,9 @@ def _draw_flight(
 ) -> None:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
+    from matplotlib.ticker import MaxNLocator
 
-    cells.draw_layer(axes, np.ravel(poc), "poc", float(poc.max()), numbered=True)
+    cells.draw_layer(axes, poc_layer(np.ravel(poc), float(poc.max())), numbered=True)
     longest = max(max(len(actions) for actions in plan.actions) - 1, 1)
     step = (caption.step_s or 60.0) / 60.0
     clock = Normalize(0, longest * step)
@@ -161,12 +205,22 @@ def _draw_flight(
             *start, "o", ms=11, mfc=START, mec="white", mew=1.8, zorder=7, label="start and end" if home else "start"
         )
     seen = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+    names = sorted(seen, reverse=True)
     axes.legend(
-        seen.values(), seen.keys(), loc="upper left", fontsize=9, framealpha=0.9, edgecolor="none", handletextpad=0.3
+        [seen[name] for name in names],
+        names,
+        loc="upper left",
+        fontsize=9,
+        framealpha=0.9,
+        edgecolor="none",
+        handletextpad=0.3,
     )
     if caption.cell_m is not None:
         _scale_bar(axes, cells, caption.cell_m)
-    colours = axes.figure.colorbar(ScalarMappable(clock, FLIGHT), ax=axes, fraction=0.03, pad=0.015, aspect=45)
+    colours = axes.figure.colorbar(
+        ScalarMappable(clock, flight_colours()), ax=axes, fraction=0.03, pad=0.015, aspect=45
+    )
+    colours.ax.yaxis.set_major_locator(MaxNLocator(steps=[1, 2, 5, 10], integer=True))
     colours.set_label("minutes into the flight" if caption.step_s else "steps into the flight", fontsize=9, color=INK)
     colours.outline.set_visible(False)
     colours.ax.tick_params(labelsize=8, length=0, colors=GREY)
@@ -181,7 +235,7 @@ def _draw_path(axes: Axes, cells: CellMap, path: NDArray[np.float64], clock: Any
     points_a_cell = 450.0 / (float(np.ptp(axes.get_xlim())) / cells.grid.cell_m)
     width = float(np.clip(0.4 * points_a_cell, 0.7, 3.2))
     halo = LineCollection(list(legs), colors="white", linewidths=width + 1.4, capstyle="round", zorder=4, alpha=0.85)
-    line = LineCollection(list(legs), cmap=FLIGHT, norm=clock, linewidths=width, capstyle="round", zorder=5)
+    line = LineCollection(list(legs), cmap=flight_colours(), norm=clock, linewidths=width, capstyle="round", zorder=5)
     line.set_array(np.arange(len(legs)) * step)
     axes.add_collection(halo)
     axes.add_collection(line)

@@ -4,13 +4,29 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["BOUND", "END", "FLIGHT", "GLIMPSE", "GREY", "INK", "LOOKS", "PAPER", "POC", "START", "STYLE", "VALUE"]
+__all__ = [
+    "BOUND",
+    "END",
+    "FLIGHT",
+    "GLIMPSE",
+    "GREY",
+    "INK",
+    "LOOKS",
+    "NOWHERE",
+    "PAPER",
+    "POC",
+    "ROCK",
+    "START",
+    "STYLE",
+    "VALUE",
+]
 
 INK, GREY, PAPER = "#22262b", "#6b7280", "white"
 POC = "Greys"  # darker: more likely
 FLIGHT = "plasma"  # by time; even in lightness, safe for colour-blind eyes
-GLIMPSE = "YlGnBu_r"
+GLIMPSE = "YlGnBu"
 LOOKS = "Blues"
+ROCK, NOWHERE = "#a8875f", "#f4f5f7"
 START, END = "#0072b2", "#d55e00"  # after Okabe and Ito
 VALUE, BOUND = "#0072b2", "#d55e00"
 
