@@ -15,6 +15,7 @@ from sooner.io import Folder, plan_csv
 from sooner.missions.mission_file import Mission
 from sooner.missions.score import Score, finite, objective_name, score_plan, step_of
 from sooner.planners import Planner, Progress, Solution, max_seconds, solve
+from sooner.planners.proved import Proved
 from sooner.planners.receding import Receding
 from sooner.planners.registry import DEFAULT, make_planner
 from sooner.planners.soonest import Soonest
@@ -137,18 +138,11 @@ def plan_mission(
 
 def _choose(problem: SearchProblem, name: str) -> Planner:
     """The planner of that name, wrapped for what the problem asks, with the proof beside it."""
-    try:
-        planner = make_planner(name)
-    except ModuleNotFoundError:  # until the planner has moved in
-        planner = make_planner("greedy")
+    planner = make_planner(name)
     if len(problem.searchers) > 1:
         planner = Team(planner)
     elif problem.drift is not None:
         planner = Receding(planner)
     if problem.objective.target is not None:
         planner = Soonest(planner)
-    try:
-        from sooner.planners.proved import Proved
-    except ModuleNotFoundError:  # until the bounds have moved in
-        return planner
     return Proved(planner)

@@ -4,31 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
+from sooner.bounds import bounds
 from sooner.errors import SoonerError
 from sooner.grid import Grid
 from sooner.planners import max_ticks, solve
 from sooner.planners.registry import PLANNERS
-from sooner.problem import CellMoves, SearchProblem
+from sooner.plotting import draw_plan
+from sooner.problem import CellMoves, Plan, SearchProblem, evaluate
 from sooner.scenarios import bimodal
 
 __all__ = ["warm_up"]
 
+BOUNDS = 6  # more than it takes for every proof to have had its turn on a small map
+
 
 def warm_up() -> Iterator[str]:
-    """Yield the name of each planner once it is compiled."""
+    """Yield the name of each planner, of the bounds and of the picture, once they are compiled and cached."""
     problems = _problems()
+    for problem in problems:
+        for _ in islice(bounds(problem, lambda: 0.0), BOUNDS):
+            pass
+    yield "bounds"
     for name, entry in PLANNERS.items():
         for problem in problems:
             try:
                 planner = entry.make()
                 if planner.handles(problem) is None:
                     solve(problem, planner, stop=max_ticks(3))
-            except (SoonerError, ModuleNotFoundError):  # a small map may be too small for it
+            except SoonerError:  # a small map may be too small for it
                 continue
         yield name
+    start = Plan.of([problems[0].grid.index(problems[0].searcher.start)])
+    draw_plan(evaluate(problems[0], start), start, np.full(problems[0].grid.shape, 1.0 / problems[0].grid.n_cells))
+    yield "picture"
 
 
 def _problems() -> tuple[SearchProblem, ...]:

@@ -88,7 +88,7 @@ def _compose(
 ) -> None:
     _title(figure, evaluation, caption)
     cells = CellMap(evaluation.problem.grid)
-    _draw_flight(figure.add_axes((0.035, 0.06, 0.5, 0.80)), cells, evaluation, plan, poc, caption)
+    _draw_flight(figure.add_axes((0.045, 0.07, 0.475, 0.79)), cells, evaluation, plan, poc, caption)
     draw_curve(figure.add_axes((0.625, 0.49, 0.355, 0.34)), evaluation, caption.bound, caption.step_s)
     west, east, south, north = cells.extent
     tall = (north - south) / (east - west) * WIDTH / HEIGHT  # of a panel that is as wide as its share of the figure
@@ -217,9 +217,8 @@ def _draw_flight(
     )
     if caption.cell_m is not None:
         _scale_bar(axes, cells, caption.cell_m)
-    colours = axes.figure.colorbar(
-        ScalarMappable(clock, flight_colours()), ax=axes, fraction=0.03, pad=0.015, aspect=45
-    )
+    beside = axes.inset_axes((1.015, 0.0, 0.022, 1.0))
+    colours = axes.figure.colorbar(ScalarMappable(clock, flight_colours()), cax=beside)
     colours.ax.yaxis.set_major_locator(MaxNLocator(steps=[1, 2, 5, 10], integer=True))
     colours.set_label("minutes into the flight" if caption.step_s else "steps into the flight", fontsize=9, color=INK)
     colours.outline.set_visible(False)
