@@ -45,8 +45,26 @@ BIBLIOGRAPHY: dict[str, Work] = {
         pages="613--626",
         year="1957",
     ),
+    "Held1971": _work(
+        "article",
+        author="Held, Michael and Karp, Richard M.",
+        title="The traveling-salesman problem and minimum spanning trees: Part {II}",
+        journal="Mathematical Programming",
+        volume="1",
+        pages="6--25",
+        year="1971",
+    ),
     "Stone1975": _work(
         "book", author="Stone, Lawrence D.", title="Theory of Optimal Search", publisher="Academic Press", year="1975"
+    ),
+    "Fisher1978": _work(
+        "article",
+        author="Fisher, Marshall L. and Nemhauser, George L. and Wolsey, Laurence A.",
+        title="An analysis of approximations for maximizing submodular set functions: {II}",
+        journal="Mathematical Programming Study",
+        volume="8",
+        pages="73--87",
+        year="1978",
     ),
     "Washburn1981": _work(
         "book",
@@ -104,9 +122,10 @@ BIBLIOGRAPHY: dict[str, Work] = {
         year="2014",
     ),
     "Kuhlman2017": _work(
-        "inproceedings",
+        "article",
         author="Kuhlman, Michael J. and Otte, Michael W. and Sofge, Donald and Gupta, Satyandra K.",
         title="Multipass target search in natural environments",
+        journal="Sensors",
         year="2017",
     ),
     "Wolek2020": _work(
@@ -131,8 +150,5 @@ def bibtex(key: str) -> str:
     }
     """
     work = BIBLIOGRAPHY[key]
-    lines = (
-        f"  {name} = {{{value.strip('{}') if name == 'author' and value[0] == '{' else value}}},"
-        for name, value in work.fields
-    )
+    lines = (f"  {name} = {{{value}}}," for name, value in work.fields)
     return "\n".join([f"@{work.kind}{{{key},", *lines, "}"])

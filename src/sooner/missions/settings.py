@@ -52,7 +52,7 @@ class Sensor(_Table):
         default=None, description="raster of levels d, at least 0; glimpse = 1 - d / (d_max + 1)"
     )
     glimpse: float | str | None = Field(
-        default=None, description="P(detect in one look | there): a number or a raster in [0, 1]"
+        default=None, description="P(detect in one look, if there): a number or a raster in [0, 1]"
     )
     correlation: float = Field(
         default=0.0, ge=0, le=1, description="of two looks at one place; 0: independent, 1: a second look adds nothing"
@@ -69,8 +69,12 @@ class Sensor(_Table):
 class Searching(_Table):
     """`[[searcher]]`: a drone."""
 
-    start: Cell | Place | None = Field(default=None, description="[row, col] where it starts (required)")
-    end: Cell | Place | None = Field(default=None, description="[row, col] where it must be at the end")
+    start: Cell | Place | None = Field(
+        default=None, description="[row, col] where it starts (required); lat and lon: not yet"
+    )
+    end: Cell | Place | None = Field(
+        default=None, description="[row, col] where it must be at the end; lat and lon: not yet"
+    )
     moves: Literal["cells", "regions", "waypoints"] = Field(default="cells", description="`cells` (others not yet)")
     kind: Literal["copter", "fixed_wing"] = Field(
         default="copter", description="a copter may hover; a fixed wing neither hovers nor turns straight back"

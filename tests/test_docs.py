@@ -1,0 +1,81 @@
+"""Every lesson runs, every page says what is so."""
+
+import re
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+
+from sooner.bibliography import BIBLIOGRAPHY
+from sooner.cli.main import run
+from sooner.missions.reference import reference_page
+from sooner.planners.registry import PLANNERS
+from sooner.scenarios import SCENARIOS
+
+ROOT = Path(__file__).parent.parent
+LESSONS = sorted((ROOT / "docs" / "lessons").glob("*.md"))
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+BLOCK = re.compile(r"^```(\S+)(?: (\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda path: path.stem)
+def test_a_lesson_runs_from_top_to_bottom(lesson, tmp_path, monkeypatch):
+    """Python runs, `sooner` commands run, and a block that names a file is that file."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    planners, modules = dict(PLANNERS), set(sys.modules)
+    names = {"__name__": lesson.stem}
+    try:
+        for language, file, text in BLOCK.findall(lesson.read_text(encoding="utf-8")):
+            if file:
+                (tmp_path / file).write_text(text, encoding="utf-8")
+            elif language == "python":
+                exec(compile(text, f"{lesson.name}", "exec"), names)
+            elif language == "sh":
+                for line in text.splitlines():
+                    program, *arguments = shlex.split(line, comments=True)
+                    assert program == "sooner"
+                    assert run(arguments) == 0, line
+    finally:
+        PLANNERS.clear()
+        PLANNERS.update(planners)
+        for name in set(sys.modules) - modules:
+            if Path(getattr(sys.modules[name], "__file__", None) or "/").is_relative_to(tmp_path):
+                del sys.modules[name]
+
+
+def test_lessons_are_numbered_without_a_gap():
+    assert [int(lesson.name[:2]) for lesson in LESSONS] == list(range(1, len(LESSONS) + 1))
+
+
+def test_the_mission_file_is_explained_as_it_is_checked():
+    told = (ROOT / "docs" / "mission_file.md").read_text(encoding="utf-8")
+    assert told == reference_page(), "write docs/mission_file.md anew from sooner.missions.reference.reference_page()"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+def test_every_link_within_the_repository_leads_somewhere(page):
+    text = re.sub(BLOCK, "", page.read_text(encoding="utf-8"))
+    for link in re.findall(r"\]\(([^)#]+)", text):
+        assert link.startswith("http") or (page.parent / link).exists(), f"{page.name} links to {link}"
+
+
+def test_how_to_choose_lists_every_planner_with_its_sentence():
+    lesson = (ROOT / "docs" / "lessons" / "03_how_to_choose_a_planner.md").read_text(encoding="utf-8")
+    for name, entry in PLANNERS.items():
+        assert f"| `{name}` | {entry.when} |" in lesson
+
+
+def test_the_readme_names_every_scenario():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    for name in SCENARIOS:
+        assert f"`{name}`" in readme
+
+
+def test_every_work_that_is_cited_stands_in_the_bibliography():
+    for path in sorted((ROOT / "src").rglob("*.py")):
+        for key in re.findall(r"\[([A-Z][A-Za-z]+\d{4})\b", path.read_text(encoding="utf-8")):
+            assert key in BIBLIOGRAPHY or key == "Key1975", f"{path.name} cites [{key}]"
+    for name, entry in PLANNERS.items():
+        assert set(entry.cites) <= set(BIBLIOGRAPHY), name
