@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from importlib import import_module
 from pathlib import Path
 
 from sooner.cli.exits import DONE
@@ -29,7 +28,8 @@ def reproduce(paper: str, data: Path | None, trials: int | None, workers: int | 
         )
     if not folder.is_dir():
         raise DataFormatError(Fault("--data", "", f"{str(folder)!r} came", "expected a folder that exists"))
-    settings = {"trials": trials, "workers": workers, "out_dir": out}
-    run = import_module("sooner.experiments").reproduce
-    run(paper, folder, **{name: value for name, value in settings.items() if value is not None})
+    from sooner.experiments import reproduce as run
+
+    for file in run(paper, folder, trials, workers, out).files:
+        print(f"written  {file}")
     return DONE

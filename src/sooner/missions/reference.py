@@ -56,8 +56,8 @@ def reference_page() -> str:
     parts.append(
         "## Time\n\nWith `steps` time is counted in moves from cell to cell, as the papers do. With `seconds` a step "
         "takes `cell_m / speed_mps` (on `square8` the length of a diagonal counts for every step, so that no flight "
-        "takes longer than it says), and the budget is the steps that fit. Flight is level and at constant speed; turns cost "
-        "no time in this version."
+        "takes longer than it says), and the budget is the steps that fit. Flight is level and at constant speed; "
+        "turns cost no time in this version."
     )
     parts.append(
         "## Georeference\n\nA GeoTIFF must be in a projection in metres or feet, with square cells, north up. Its cell "
