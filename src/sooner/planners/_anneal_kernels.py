@@ -55,10 +55,7 @@ def _gain(gains, ratio, cell, look):
     last = gains.shape[1] - 1
     if look <= last:
         return gains[cell, look]
-    gain = gains[cell, last]
-    for _ in range(look - last):
-        gain *= ratio[cell]
-    return gain
+    return gains[cell, last] * ratio[cell] ** (look - last)
 
 
 @kernel
@@ -543,9 +540,11 @@ def route(where, slots, anchors, prize, cost, start, end, budget, spare, state, 
     temperature = hot
     cooling = (cold / hot) ** (1.0 / max(moves, 1))
     best_value, value = 0.0, 0.0
+    full = spare
     best_n = 0
-    for _ in range(moves):
+    for move in range(moves):
         temperature *= cooling
+        spare = full * min(1.0, 2.0 * move / moves)  # at first time costs nothing, or no route would leave for far hills
         bar = temperature * math.log(_uniform(state) + 1e-10)
         kind = _uniform(state)
         if kind < 0.6 or n < 2:
@@ -593,7 +592,7 @@ def route(where, slots, anchors, prize, cost, start, end, budget, spare, state, 
                 inside[p] = 1
                 n += 1
                 length += longer
-                value += delta
+                value += prize[p] - lost - full * longer
         elif kind < 0.75:
             i = _below(state, n)
             run = min(1 + _below(state, 3), n - i)
@@ -615,7 +614,7 @@ def route(where, slots, anchors, prize, cost, start, end, budget, spare, state, 
                     order[k] = order[k + run]
                 n -= run
                 length -= saved
-                value += delta
+                value += full * saved - lost
         else:
             i = _below(state, n)
             j = _below(state, n)
@@ -637,7 +636,7 @@ def route(where, slots, anchors, prize, cost, start, end, budget, spare, state, 
                     i += 1
                     j -= 1
                 length += longer
-                value -= spare * longer
+                value -= full * longer
         if value > best_value:
             best_value = value
             best_n = n

@@ -37,7 +37,7 @@ FIRST_ROUND = 64  # ticks of the first round where the stop rule has no horizon
 SHORT_TICK = 200  # moves of a tick on the smallest of problems; more with the square of the budget
 ROUTE_MOVES = 200  # for each piece, of one answer to the coarse question; of at most a thousand pieces
 SPARE_NODES = 8  # rows beyond the budget, in use in the middle of a move
-MEMORY_CELLS, TICK_CELLS = 20_000_000, 400_000  # all starts, and those of one tick, times cells of the map
+MEMORY_CELLS, TICK_CELLS = 12_000_000, 400_000  # all starts, and those of one tick, times cells of the map
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Anneal:
     cold: float = 0.035
     polish: float = 0.03
     prices: tuple[float, float] = (0.7, 0.8)
-    greed: float = 0.1
+    greed: float = 0.05
     mix: tuple[float, float, float, float, float] = (0.66, 0.22, 0.01, 0.015, 0.095)
     moves: int = 80_000
     threads: int = 2
