@@ -11,6 +11,7 @@ import contextlib
 import hashlib
 import json
 import os
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,8 +50,11 @@ class Folder:
         there = next(place for place in (self.path, *self.path.absolute().parents) if place.exists())
         if not there.is_dir():
             raise _refusal(self.path, f"{there} is not a folder")
-        if not os.access(there, os.W_OK | os.X_OK):
-            raise _refusal(self.path, f"the folder {there} cannot be written to")
+        try:
+            with tempfile.TemporaryFile(dir=there):
+                pass
+        except OSError as error:
+            raise _refusal(self.path, f"{there} cannot be written to ({error.strerror or error})") from None
         ledger = self._ledger()
         faults = [fault for name in names if (fault := self._fault(name, ledger)) is not None]
         if faults:

@@ -1,0 +1,146 @@
+"""`sooner`: what can be asked of it on a command line. Heavy libraries are imported by the command that needs them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from sooner import __version__
+from sooner.cli.exits import ending
+
+__all__ = ["app", "run"]
+
+app = typer.Typer(
+    name="sooner",
+    help="Plans where drones look, so that a lost person is found sooner.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+MissionFile = Annotated[Path, typer.Argument(metavar="MISSION.toml", help="The mission file.")]
+Json = Annotated[bool, typer.Option("--json", help="Print exactly one JSON object.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace files even where sooner did not write them.")]
+Seed = Annotated[int, typer.Option(help="Of the random numbers; the same seed gives the same.", min=0)]
+Workers = Annotated[int | None, typer.Option(help="Processes that work at once.", min=1)]
+
+
+Work = Callable[[], int]
+"""What a command line asks for, done once typer has let go of it: so that Ctrl-C is ours to answer."""
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the command line; answers the exit status."""
+    return ending(lambda: _asked(arguments)())
+
+
+def _asked(arguments: Sequence[str]) -> Work:
+    try:
+        work: Any = app(list(arguments), prog_name="sooner", standalone_mode=False)
+    except Exception as error:
+        show: Callable[[], None] | None = getattr(error, "show", None)
+        if show is None:
+            raise
+        show()  # what typer says of a wrong command line
+        work = int(getattr(error, "exit_code", 2))
+    return work if callable(work) else lambda: work if isinstance(work, int) else 0
+
+
+def _run(module: str, name: str, *arguments: Any) -> int:
+    status: int = getattr(import_module(f"sooner.cli.{module}"), name)(*arguments)
+    return status
+
+
+def _tell_version(asked: bool) -> None:
+    if asked:
+        print(f"sooner {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def sooner(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", callback=_tell_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Plans where drones look, so that a lost person is found sooner."""
+
+
+@app.command()
+def plan(
+    mission: MissionFile,
+    planner: Annotated[str | None, typer.Option(help="A name that `sooner planners` lists.")] = None,
+    seconds: Annotated[float, typer.Option(help="Planning time.")] = 10.0,
+    seed: Seed = 0,
+    out: Annotated[Path | None, typer.Option(help="Folder for plan, picture and result.")] = None,
+    file_format: Annotated[str, typer.Option("--format", help="Of the plan file: csv.")] = "csv",
+    json: Json = False,
+    quiet: Quiet = False,
+    force: Force = False,
+) -> Work:
+    """Plan a mission: a flight, its value, a bound that no flight passes, and a picture.
+
+    Writes plan.csv, plan.json and plan.png to --out (left out: a folder MISSION-plan beside the mission file).
+    Ctrl-C ends the planning; the best plan so far is written.
+    """
+    return partial(_run, "plan", "plan", mission, planner, seconds, seed, out, file_format, json, quiet, force)
+
+
+@app.command()
+def evaluate(
+    mission: MissionFile,
+    plan: Annotated[Path, typer.Argument(metavar="PLAN", help="searcher,step,row,col lines, or bare row,col.")],
+    json: Json = False,
+) -> Work:
+    """Score any plan, ours or not, by the judge; an illegal plan is refused with the reason."""
+    return partial(_run, "evaluate", "evaluate", mission, plan, json)
+
+
+@app.command()
+def planners(json: Json = False) -> Work:
+    """List the planners, with when to choose which."""
+    return partial(_run, "lists", "planners", json)
+
+
+@app.command()
+def scenario(
+    name: Annotated[str | None, typer.Argument(help="One of the list; left out: print the list.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the mission and its rasters.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Another search of the same kind.", min=0)] = None,
+    force: Force = False,
+) -> Work:
+    """Write a ready-made mission with its rasters."""
+    return partial(_run, "scenario", "scenario", name, out, seed, force)
+
+
+@app.command()
+def warmup(quiet: Quiet = False) -> Work:
+    """Compile everything ahead, so that the first plan does not wait for it."""
+    return partial(_run, "warmup", "warmup", quiet)
+
+
+@app.command()
+def cite(
+    name: Annotated[str | None, typer.Argument(help="A planner, or a key such as Lin2014; left out: sooner.")] = None,
+) -> Work:
+    """Print what to cite for a planner, as BibTeX."""
+    return partial(_run, "lists", "cite", name)
+
+
+@app.command()
+def reproduce(
+    paper: Annotated[str, typer.Argument(help="kuhlman2017, lin2014 or wolek2020.")],
+    data: Annotated[Path | None, typer.Option(help="Folder of the papers' maps; left out: $SOONER_DATA.")] = None,
+    trials: Annotated[int | None, typer.Option(help="Seeds of each case.", min=1)] = None,
+    workers: Workers = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for reproduced.csv.")] = None,
+) -> Work:
+    """Run a paper's study again and write its tables."""
+    return partial(_run, "reproduce", "reproduce", paper, data, trials, workers, out)
