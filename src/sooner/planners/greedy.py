@@ -9,13 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.random import Generator
 
+from sooner.planners.hill_climb import Best, directions, random_state
 from sooner.planners.planner import single_cell_searcher
-from sooner.problem import Incumbent, Plan, Reach, SearchProblem, evaluate
+from sooner.problem import Incumbent, Plan, SearchProblem
 
 __all__ = ["Greedy"]
+
+NO_BOX = 0  # ties are broken at random straight away
 
 
 @dataclass(frozen=True)
@@ -31,25 +33,7 @@ class Greedy:
 
     def plans(self, problem: SearchProblem, rng: Generator) -> Iterator[Incumbent]:
         """Yield once."""
-        reach = Reach(problem.grid, problem.searcher)
-        reach.check()
-        path, came_from = [reach.start], reach.came_from
-        looks = np.zeros(problem.grid.n_cells, np.int64)
-        for steps_left in range(problem.searcher.budget - 1, -1, -1):
-            here = path[-1]
-            looks[here] += 1
-            open_cells = np.array(_open_cells(reach, here, came_from, steps_left))
-            pay = problem.gains.of(open_cells, looks[open_cells])
-            path.append(int(rng.choice(open_cells[pay == pay.max()])))
-            came_from = here
-        plan = Plan.of(path)
-        yield Incumbent(plan, evaluate(problem, plan).value)
-
-
-def _open_cells(reach: Reach, here: int, came_from: int, steps_left: int) -> list[int]:
-    around = [int(cell) for cell in reach.grid.neighbours[here] if cell >= 0]
-    if reach.fixed_wing:
-        around = [cell for cell in around if cell != came_from]
-    else:
-        around.append(here)
-    return [cell for cell in around if reach.can_go_on(cell, here, steps_left)]
+        field, state = directions(problem)[0], random_state(rng)
+        begin = field.reach.start, field.reach.came_from, field.budget
+        path, _ = field.ground().climb(field.reach.arrays, *begin, NO_BOX, state)
+        yield Best(problem).take(Plan.of(path))
