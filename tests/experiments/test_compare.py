@@ -32,13 +32,14 @@ def test_a_number_is_judged_by_its_distance(theirs, measured, verdict):
 
 @pytest.mark.parametrize(("measured", "verdict"), [(0.05, "holds"), (0.2, "does not hold")])
 def test_a_limit_from_above_holds_or_does_not(measured, verdict):
-    rules = [{"row": "BA", "sense": "below", "reason": "because"}]
+    rules = [{"row": "BA", "sense": "limit", "reason": "because"}]
     assert compare([printed("0.1")], [ours(measured)], rules)[0].verdict == verdict
 
 
 @pytest.mark.parametrize(("measured", "verdict"), [(0.1, "faster"), (3.0, "slower")])
 def test_times_are_faster_or_slower(measured, verdict):
-    found = compare([printed("1.5", "Table I Speed")], [ours(measured, "Table I Speed")], [])
+    rules = [{"table": "* Speed", "sense": "time", "reason": "because"}]
+    found = compare([printed("1.5", "Table I Speed")], [ours(measured, "Table I Speed")], rules)
     assert found[0].verdict == verdict
 
 

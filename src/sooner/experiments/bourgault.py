@@ -24,9 +24,10 @@ class Bourgault:
     """One step ahead to "the grid cell with the highest posterior probability" [Lin2014, sec. IV-A].
 
     The posterior p (1 - g)^k, not the chance of detection p g (1 - g)^k; it never hovers; ties go to the neighbour
-    that comes first in the 3 x 3 window read row by row: north, west, east, south. The paper says none of this: it
-    is the rule, of all 288 tried, whose efficiencies come within 0.27 points of the printed ones in all eleven
-    cells. `planners.Greedy` chooses by the chance of detection, and breaks ties at random.
+    that comes first in the 3 x 3 window read row by row: north, west, east, south. The paper does not say so much: of
+    the 288 rules tried this is the one whose efficiencies come within 0.27 points of the printed ones in all eleven
+    cells (allowing it to hover changes nothing). `planners.Greedy` chooses by the chance of detection, and breaks
+    ties at random.
     """
 
     def handles(self, problem: SearchProblem) -> str | None:

@@ -21,7 +21,7 @@ class Rule:
     Parameters
     ----------
     exact, near : float        largest differences that still count as the same, and as near
-    sense : str                "same" (both ways count), "below" (the paper gives a limit from above), "about"
+    sense : str                "same" (both ways count), "limit" (no more than that), "time" (less is faster)
     reason : str               why it differs, or cannot be measured
     """
 
@@ -83,9 +83,9 @@ def _judged(number: Published, ours: Reproduced | None, rules: Sequence[Mapping[
 
 def _verdict(number: Published, ours: float, rule: Rule) -> str:
     theirs = float(number.value)
-    if rule.sense == "below":
+    if rule.sense == "limit":
         return "holds" if ours <= theirs else "does not hold"
-    if number.table.endswith("Speed") and rule.sense == "same":
+    if rule.sense == "time":
         return "faster" if ours <= theirs else "slower"
     difference = ours - theirs
     if abs(difference) <= rule.exact:

@@ -6,27 +6,26 @@ IEEE Transactions on Cybernetics 44 (2014), 2532-2544.
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sooner.belief import Belief
-from sooner.errors import DataFormatError, Fault
-from sooner.experiments.lin2014_claims import TABLES, claims
+from sooner.experiments.lin2014_claims import WITHOUT_CHANCE, claims
+from sooner.experiments.lin2014_maps import posed
 from sooner.experiments.study import Reproduced, commit, processor
 from sooner.experiments.trials import Estimate, estimate, run_trials
-from sooner.grid import Grid
 from sooner.planners import max_seconds, max_ticks, solve
 from sooner.planners.planner import Planner
-from sooner.problem import Searcher, SearchProblem, detection_gains, evaluate
-from sooner.sensors import glimpse_from_difficulty
+from sooner.problem import SearchProblem, evaluate
 
-__all__ = ["Case", "Outcome", "Trial", "posed", "run_study", "run_trial"]
+__all__ = ["Case", "Outcome", "Trial", "run_study", "run_trial"]
 
 TIMED = 3  # seeds of each case that are run again, one at a time, for the tables of times
 
@@ -45,9 +44,10 @@ class Case:
     steps : int
     planner : str              its name in the study
     make : str                 "module:Class"
-    settings : tuple           pairs, the arguments of that class
+    settings : str             its arguments as JSON; an object with "make" is made in turn
     seconds : float or None    planning time; None lets the planner finish
     proved : bool              with a bound running beside it
+    most : int                 seeds that are enough, where one takes long
     """
 
     instance: str
@@ -57,19 +57,29 @@ class Case:
     steps: int
     planner: str
     make: str
-    settings: tuple[tuple[str, Any], ...] = ()
+    settings: str = "{}"
     seconds: float | None = None
     proved: bool = False
+    most: int = 1_000_000
 
     def planner_made(self) -> Planner:
         """The planner, with its settings."""
-        module, name = self.make.split(":")
-        planner: Planner = getattr(import_module(module), name)(**dict(self.settings))
+        planner: Planner = _made({"make": self.make, **json.loads(self.settings)})
         if not self.proved:
             return planner
         from sooner.planners.proved import Proved
 
         return Proved(planner)
+
+
+def _made(value: Any) -> Any:
+    """Objects from what TOML can say."""
+    if isinstance(value, list):
+        return tuple(map(_made, value))
+    if not isinstance(value, dict) or "make" not in value:
+        return value
+    module, name = value["make"].split(":")
+    return getattr(import_module(module), name)(**{key: _made(v) for key, v in value.items() if key != "make"})
 
 
 @dataclass(frozen=True)
@@ -99,29 +109,6 @@ class Outcome:
     cells: tuple[int, ...]
 
 
-def posed(
-    data: Path, name: str, start: tuple[int, int], steps: int, end: tuple[int, int] | None = None
-) -> SearchProblem:
-    """One of the authors' maps as a search problem.
-
-    Raises
-    ------
-    DataFormatError            naming the file that cannot be used
-    """
-    weights, difficulty = _read(data / f"{name}_dist.csv"), _read(data / f"{name}_diff.csv")
-    if weights.shape != difficulty.shape:
-        raise DataFormatError(Fault(f"{name}_diff.csv", "", f"came {difficulty.shape}", f"expected {weights.shape}"))
-    gains = detection_gains(Belief.from_weights(weights), glimpse_from_difficulty(difficulty))
-    return SearchProblem(Grid(weights.shape), gains, (Searcher(start, steps, end),))
-
-
-def _read(path: Path) -> np.ndarray[Any, np.dtype[np.float64]]:
-    try:
-        return np.loadtxt(path, delimiter=",", ndmin=2)
-    except (OSError, ValueError) as error:
-        raise DataFormatError(Fault(str(path), "", str(error), "expected rows of numbers")) from error
-
-
 def run_trial(trial: Trial) -> Outcome:
     """Plan once, in a process whose kernels are loaded."""
     case = trial.case
@@ -142,8 +129,8 @@ _loaded: set[tuple[str, bool, str]] = set()
 def _load_kernels(case: Case, problem: SearchProblem) -> None:
     """Once a process, so that no trial pays for it; not for planners that take their time from their settings."""
     known = (case.make, case.proved, case.map)
-    if known not in _loaded and "seconds" not in dict(case.settings):
-        solve(problem, case.planner_made(), max_ticks(1))
+    if known not in _loaded and "seconds" not in json.loads(case.settings):
+        solve(problem, case.planner_made(), max_ticks(3))
     _loaded.add(known)
 
 
@@ -157,25 +144,21 @@ def run_study(
     """
     cases = list(dict.fromkeys(case for table in study["tables"] for _, _, case in _cells(study, table)))
     shared = [Trial(case, seed, data) for case in cases if not _clocked(case) for seed in range(trials)]
-    alone = [Trial(case, seed, data) for case in cases if _clocked(case) for seed in range(trials)]
+    alone = [Trial(case, seed, data) for case in cases if _clocked(case) for seed in range(min(trials, case.most))]
     timed = [Trial(case, seed, data) for case in _with_times(study) for seed in range(min(trials, TIMED))]
     outcomes = _together(shared, run_trials(run_trial, shared, workers, _saying(say, "trials")))
     times = _together(timed, run_trials(run_trial, timed, 1, _saying(say, "timed trials, one at a time")))
     outcomes |= _together(alone, run_trials(run_trial, alone, 1, _saying(say, "trials against the clock")))
     mark = Reproduced("", "", "", 0.0, 0.0, 0.0, 0, commit(), processor())
     rows = [row for table in study["tables"] for row in _table(study, table, outcomes, times, mark)]
-    spread = {name: _widest(study, name, outcomes) for name in TABLES.values()}
-    rows += [
-        replace(
-            mark, table=t, row=r, column=c, value=v, low=v, high=v, n=min(trials, TIMED) if "Speed" in t else trials
-        )
-        for t, r, c, v in claims({row.key: row.value for row in rows}, spread, data)
-    ]
+    for table, row, column, value in claims({row.key: row.value for row in rows}, _spread(study, outcomes), data):
+        n = 1 if table in WITHOUT_CHANCE else min(trials, TIMED) if "Speed" in table else trials
+        rows.append(_row(mark, table, row, column, Estimate(value, value, value, n)))
     return rows, outcomes
 
 
 def _clocked(case: Case) -> bool:
-    return case.seconds is not None or "seconds" in dict(case.settings)
+    return case.seconds is not None or "seconds" in json.loads(case.settings)
 
 
 def _together(trials: Sequence[Trial], outcomes: Sequence[Outcome]) -> dict[Case, list[Outcome]]:
@@ -194,11 +177,13 @@ def _saying(say: Say, what: str) -> Callable[[int, int], None]:
 
 
 def _cells(study: Mapping[str, Any], table: Mapping[str, Any]) -> Iterator[tuple[str, str, Case]]:
-    """Row, column and case of every cell of a table."""
+    """Row, column and case of every cell of a table; planners that need a package that is not there are left out."""
     for instance in table["instances"]:
         place = study["instances"][instance]
         for planner in table["planners"]:
             chosen = dict(study["planners"][planner])
+            if find_spec(chosen.pop("needs", "sooner")) is None:
+                continue
             case = Case(
                 instance=instance,
                 map=place["map"],
@@ -209,7 +194,8 @@ def _cells(study: Mapping[str, Any], table: Mapping[str, Any]) -> Iterator[tuple
                 make=chosen.pop("make"),
                 seconds=chosen.pop("plan_seconds", None),
                 proved=chosen.pop("proved", False),
-                settings=tuple((key, tuple(v) if isinstance(v, list) else v) for key, v in chosen.items()),
+                most=chosen.pop("most_trials", 1_000_000),
+                settings=json.dumps(chosen, sort_keys=True),
             )
             for steps in table["steps"]:
                 names = {"instance": instance, "planner": planner, "steps": steps}
@@ -251,10 +237,11 @@ def _row(mark: Reproduced, table: str, row: str, column: str, found: Estimate) -
     )
 
 
-def _widest(study: Mapping[str, Any], instance: str, outcomes: Mapping[Case, Sequence[Outcome]]) -> float:
-    """Largest standard deviation of Efficiency_LB over the cells that the paper prints, as a fraction."""
-    return max(
-        float(np.std([outcome.efficiency / 100.0 for outcome in found]))
-        for case, found in outcomes.items()
-        if case.instance == instance and case.planner in study["printed"]
-    )
+def _spread(study: Mapping[str, Any], outcomes: Mapping[Case, Sequence[Outcome]]) -> dict[str, float]:
+    """Largest standard deviation of Efficiency_LB over the cells that the paper prints of a map, as a fraction."""
+    widest: dict[str, float] = {}
+    for case, found in outcomes.items():
+        if case.planner in study["printed"]:
+            deviation = float(np.std([outcome.efficiency / 100.0 for outcome in found]))
+            widest[case.instance] = max(widest.get(case.instance, 0.0), deviation)
+    return widest

@@ -8,18 +8,27 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.experiments.lin2014 import Case, Outcome, posed
+from sooner.experiments.lin2014 import Case, Outcome
 from sooner.experiments.lin2014_claims import author_gaussians, ratios_of_author
+from sooner.experiments.lin2014_maps import posed
 from sooner.experiments.study import write_atomically
-from sooner.problem import Evaluation, Plan, SearchProblem, evaluate
+from sooner.planners import Greedy, Planner, max_ticks, solve
+from sooner.planners.anneal import Anneal
+from sooner.planners.global_warming import GlobalWarming
+from sooner.planners.hill_climb import directions, random_state
+from sooner.planners.mode_goodness import ModeGoodness
+from sooner.planners.top2 import Top2
+from sooner.planners.topn import TopN
+from sooner.problem import Evaluation, Plan, Searcher, SearchProblem, evaluate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,15 +51,18 @@ CURVES = {"TopN": ("black", "-"), "Top2": ("#2166ac", "--"), "LHC-GW-CONV": ("#b
 
 @dataclass(frozen=True)
 class Flown:
-    """What the figures draw from: the study, its maps and the first seed of every case."""
+    """What the figures draw from: the study, its maps and, of every case, the seed in the middle by value."""
 
     study: Mapping[str, Any]
     data: Path
     outcomes: Mapping[Case, Sequence[Outcome]]
 
     @cached_property
-    def _first(self) -> dict[tuple[str, str, int], tuple[Case, Outcome]]:
-        return {(c.instance, c.planner, c.steps): (c, found[0]) for c, found in self.outcomes.items()}
+    def _middle(self) -> dict[tuple[str, str, int], Outcome]:
+        return {
+            (case.instance, case.planner, case.steps): sorted(found, key=lambda each: each.efficiency)[len(found) // 2]
+            for case, found in self.outcomes.items()
+        }
 
     def problem(self, instance: str, steps: int = 900) -> SearchProblem:
         """An instance of the study."""
@@ -59,13 +71,12 @@ class Flown:
         return posed(self.data, place["map"], tuple(place["start"]), steps, end)
 
     def judged(self, instance: str, planner: str, steps: int = 900) -> Evaluation:
-        """The first seed's path, judged."""
-        _, outcome = self._first[instance, planner, steps]
-        return evaluate(self.problem(instance, steps), Plan.of(outcome.cells))
+        """The path of the seed in the middle, judged."""
+        return evaluate(self.problem(instance, steps), Plan.of(self.cells(instance, planner, steps)))
 
     def cells(self, instance: str, planner: str, steps: int = 900) -> tuple[int, ...]:
-        """The first seed's path."""
-        return self._first[instance, planner, steps][1].cells
+        """The path of the seed in the middle."""
+        return self._middle[instance, planner, steps].cells
 
 
 def draw_figures(
@@ -97,7 +108,8 @@ def _saved(figure: Figure, path: Path) -> Path:
     figure.savefig(drawn, format="png", bbox_inches="tight", facecolor="white", metadata={"Software": None})
     plt.close(figure)
     with Image.open(drawn) as image:
-        image.convert("RGB").quantize(128).save(small, "png", optimize=True)
+        palette = image.convert("RGB").quantize(255, Image.Quantize.MAXCOVERAGE)  # keeps the few red pixels of a mark
+        palette.save(small, "png", optimize=True)
     write_atomically(path, small.getvalue())
     return path
 
@@ -189,20 +201,21 @@ def _paths(flown: Flown, drawn: Sequence[tuple[str, str, str]]) -> Figure:
 
 
 def figure_1(flown: Flown) -> Figure:
-    """Two measures of a path: most by a time, or soonest to a CDP."""
+    """Two measures of a path, most by a time or soonest to a CDP: each is won by another path."""
     figure, (axes,) = _panels(1, 4.2, 2.9)
-    steps, instance = 600, "HikerPaul"
-    names = ("TopN (Hierarchy)", "Top2 (Hierarchy)", "BA")
-    curves = {name: flown.judged(instance, name, steps).cdp for name in names}
-    order = sorted(curves, key=lambda name: curves[name][-1])
-    for number, name in enumerate(order, 1):
-        axes.plot(curves[name], color=["#b35806", "#2166ac", "black"][number - 1], label=f"path {number}: {name}")
-    wanted = float(curves[order[0]][90])
-    axes.axvline(steps, color="#2166ac", ls=":", lw=1)
-    axes.axhline(wanted, color="#d73027", ls=":", lw=1)
-    axes.annotate("most by T = 600", (steps, 0), (-4, 4), textcoords="offset points", ha="right", color="#2166ac")
-    axes.annotate("soonest to a CDP", (steps, wanted), (-4, 3), textcoords="offset points", ha="right", color="#d73027")
-    axes.set(xlabel="time step", ylabel="cumulative detection probability", xlim=(0, 640), ylim=(0, None))
+    steps, wanted = 600, 0.10
+    problem = flown.problem("upper left", steps)
+    planners: list[tuple[str, Planner]] = [("LHC-GW-CONV", GlobalWarming()), ("Top2", Top2()), ("anneal", Anneal())]
+    for number, (name, planner) in enumerate(planners, 1):
+        judged = evaluate(problem, solve(problem, planner, max_ticks(40)).best.plan)
+        colour, soonest = ("#b35806", "#2166ac", "black")[number - 1], judged.time_to(wanted)
+        axes.plot(judged.times, judged.cdp, color=colour, label=f"path {number} ({name})")
+        axes.plot([soonest, steps], [wanted, judged.total], "o", ms=3.5, color=colour)
+    axes.axvline(steps, color="#4393c3", ls=":", lw=1.2)
+    axes.axhline(wanted, color="#d73027", ls=":", lw=1.2)
+    axes.text(594, 0.003, "most by T = 600: path 3", ha="right", color="#4393c3")
+    axes.text(594, wanted - 0.010, "soonest to 0.1: path 1", ha="right", color="#d73027")
+    axes.set(xlabel="time step", ylabel="cumulative detection probability", xlim=(0, 625), ylim=(0, None))
     axes.legend(frameon=False)
     return figure
 
@@ -220,6 +233,82 @@ def figure_3(flown: Flown) -> Figure:
 def figure_4(flown: Flown) -> Figure:
     """BA and LHC-GW-CONV from the lower right."""
     return _paths(flown, [(name, "lower right", name) for name in ("BA", "LHC-GW-CONV")])
+
+
+def figure_5(flown: Flown) -> Figure:
+    """Top2: the time shared out between two hills in three ways; both climb to the point halfway between them."""
+    problem = posed(flown.data, "simple_bimodalfar_diff1", (30, 30), 450)
+    hills = _hills(problem, 2)
+    near, far = sorted(hills, key=lambda hill: int(problem.grid.distances_from(problem.grid.index((30, 30)))[hill]))
+    cells = [problem.grid.cell(hill) for hill in (near, far)]
+    centre = (sum(cell[0] for cell in cells) // 2, sum(cell[1] for cell in cells) // 2)
+    figure, axes = _panels(3)
+    titles = ("more time for the nearer hill", "the same time", "more time for the farther hill")
+    for ax, share, title in zip(axes, (0.75, 0.5, 0.25), titles, strict=True):
+        start = _Climbs(problem)
+        path1 = start.climbed((30, 30), cells[0])
+        left = problem.searcher.budget - len(path1) + 1
+        path2 = start.climbed(cells[0], centre, round(share * left))
+        path3 = start.climbed(cells[1], centre, left - round(share * left))
+        path = [*path1, *path2[1:], *path3[::-1][1:]]
+        lines = _path(ax, problem, path, title)
+        for cell in cells:
+            _mark(ax, cell, "centroid")
+        ax.plot(centre[1], centre[0], "s", ms=5, mfc="#1a9850", mec="white", zorder=6)
+    figure.colorbar(lines, ax=axes, shrink=0.75, label="time step")
+    return figure
+
+
+class _Climbs:
+    """Greedy legs one after the other, each over what the ones before have left."""
+
+    def __init__(self, problem: SearchProblem) -> None:
+        self.problem = problem
+        self.looks = np.zeros(problem.grid.n_cells, np.int64)
+
+    def climbed(self, start: tuple[int, int], end: tuple[int, int], steps: int | None = None) -> list[int]:
+        """A leg of so many steps; None for as few as there can be."""
+        grid = self.problem.grid
+        least = int(grid.distances_from(grid.index(start))[grid.index(end)])
+        leg = SearchProblem(grid, self.problem.gains.after(self.looks), (Searcher(start, steps or least, end),))
+        path: list[int] = solve(leg, Greedy()).best.plan.actions[0].tolist()
+        np.add.at(self.looks, path, 1)
+        return path
+
+
+def _hills(problem: SearchProblem, count: int) -> list[int]:
+    """The best of five hills by Mode Goodness."""
+    return [int(hill) for hill in ModeGoodness().ranked(directions(problem)[0], 5, np.random.default_rng(0))[:count]]
+
+
+def figure_7(flown: Flown) -> Figure:
+    """TopN: a path through the top four of five hills; a new colour from each hill on."""
+    problem = flown.problem("upper left", 700)
+    problem = replace(problem, searchers=(replace(problem.searcher, start=(40, 30), end=(30, 50)),))
+    path = solve(problem, TopN(layers=((5, 4),))).best.plan.actions[0]
+    hills = max(_hills_of_topn(problem), key=lambda found: len(set(found) & set(path.tolist())))
+    cuts = [0, *sorted(int(np.argmax(path == hill)) for hill in hills), len(path) - 1]
+    figure, (axes,) = _panels(1, 3.6, 3.4)
+    _map(axes, _surfaces(problem)[2], "TopN, k = 5 and N = 4", cmap="Greys", alpha=0.8)
+    rows, cols = np.divmod(path, problem.grid.shape[1])
+    for n, (begin, end) in enumerate(pairwise(cuts)):
+        axes.plot(cols[begin : end + 1], rows[begin : end + 1], lw=1.2, color=f"C{n}")
+    for letter, cut in zip("ABCD", cuts[1:-1], strict=False):
+        _mark(axes, (rows[cut], cols[cut]), "centroid")
+        axes.annotate(letter, (cols[cut], rows[cut]), (4, 4), textcoords="offset points", weight="bold")
+    _mark(axes, (rows[0], cols[0]), "start")
+    _mark(axes, (rows[-1], cols[-1]), "end")
+    return figure
+
+
+def _hills_of_topn(problem: SearchProblem) -> list[list[int]]:
+    """The four hills of a single layer of TopN, flown either way, under seed 0."""
+    fields = directions(problem)
+    found = []
+    for field, rng in zip(fields, np.random.default_rng(0).spawn(len(fields)), strict=True):
+        random_state(rng)  # drawn first, as the planner does
+        found.append([int(hill) for hill in ModeGoodness().ranked(field, 5, rng)[:4]])
+    return found
 
 
 def figure_9(flown: Flown) -> Figure:
@@ -314,6 +403,8 @@ FIGURES: dict[int, Callable[[Flown], Figure]] = {
     2: figure_2,
     3: figure_3,
     4: figure_4,
+    5: figure_5,
+    7: figure_7,
     9: figure_9,
     10: _scenario("HikerPaul"),
     11: _four("HikerPaul"),

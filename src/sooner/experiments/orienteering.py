@@ -9,6 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,9 @@ class Orienteering:
     clients: int = 1000
 
     def handles(self, problem: SearchProblem) -> str | None:
-        """One searcher that may hover, over cells."""
+        """One searcher that may hover, over cells; and PyVRP installed."""
+        if find_spec("pyvrp") is None:
+            return "it needs PyVRP: pip install 'sooner[orienteering]'"
         unable = single_cell_searcher(problem)
         if unable is None and Reach(problem.grid, problem.searcher).fixed_wing:
             return "its links are shortest ways, which a fixed wing cannot always join"

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 from sooner.errors import InvalidProblemError
@@ -14,6 +15,7 @@ from sooner.experiments.study import (
     Reproduced,
     find_data,
     read_published,
+    read_reproduced,
     read_study,
     study_folder,
     writable_folder,
@@ -46,6 +48,7 @@ def reproduce(
     trials: int | None = None,
     workers: int | None = None,
     out_dir: Path | None = None,
+    only: Sequence[str] = ("*",),
     figures: bool = True,
     say: Callable[[str], None] = lambda line: print(line, file=sys.stderr),
 ) -> Reproduction:
@@ -58,7 +61,8 @@ def reproduce(
     trials : int or None        seeds 0, 1, ... of each case; None takes the study's number
     workers : int or None       processes for the cases that are not timed; None takes one for each core
     out_dir : Path or None      where to write; None takes the study's own folder
-    figures : bool              draw the paper's figures as well
+    only : sequence of str      names of the tables to run, * and ? allowed; other rows of an earlier run are kept
+    figures : bool              draw the paper's figures as well, where the tables they are made from were run
 
     Raises
     ------
@@ -74,13 +78,21 @@ def reproduce(
 
     data = find_data(data_dir, study["data"], study["data_example"])
     out = writable_folder(folder if out_dir is None else out_dir)
-    rows, outcomes = lin2014.run_study(study, data, count, workers or os.cpu_count() or 1, say)
+    chosen = [table for table in study["tables"] if any(fnmatchcase(table["name"], name) for name in only)]
+    ran, outcomes = lin2014.run_study({**study, "tables": chosen}, data, count, workers or os.cpu_count() or 1, say)
+    rows = _merged(out, ran) if len(chosen) < len(study["tables"]) else ran
     comparisons = compare(published, rows, study["rules"])
     write_reproduced(out / "reproduced.csv", rows)
     write_atomically(out / "comparison.md", comparison_markdown(study["title"], comparisons, rows))
     files = [out / "reproduced.csv", out / "comparison.md"]
-    if figures:
+    if figures and set(study.get("figures_from", ())) <= {table["name"] for table in chosen}:
         from sooner.experiments.lin2014_figures import draw_figures
 
         files += draw_figures(study, data, outcomes, out / "figures", say)
     return Reproduction(tuple(rows), tuple(comparisons), tuple(files))
+
+
+def _merged(folder: Path, ran: Sequence[Reproduced]) -> list[Reproduced]:
+    """What an earlier run left in `folder`, with the rows that were run now in place of their predecessors."""
+    rows = {row.key: row for row in read_reproduced(folder)} if (folder / "reproduced.csv").is_file() else {}
+    return list((rows | {row.key: row for row in ran}).values())
