@@ -42,7 +42,7 @@ def warm_up() -> None:
     weights = rng.random(400) * (rng.random(400) < 0.3)
     problem = SearchProblem(Grid((20, 20)), Gains.independent(weights / weights.sum(), np.ones(400)),
                             (Searcher((0, 0), 60),))  # fmt: skip
-    for tick, _ in enumerate(ConnectedSubgraph(warm_up=5).bounds(problem, 0.5 * problem.teleport.value)):
+    for tick, _ in enumerate(ConnectedSubgraph().bounds(problem, 0.5 * problem.teleport.value)):
         if tick > 100:
             return
 

@@ -13,10 +13,11 @@ from sooner.bounds.connected_subgraph import _Dual, _Network
 from sooner.errors import UnsupportedProblemError
 from sooner.grid import Grid
 from sooner.problem import CellMoves, Gains, Searcher, SearchProblem
+from tests.oracles.time_expanded import exact_optimum
 from tests.oracles.walks import optimum, total, walks
 from tests.strategies import problems
 
-QUICK = ConnectedSubgraph(warm_up=20, separate_every=1, smallest_cut=0.0, iterations=10)
+QUICK = ConnectedSubgraph(separate_every=1, smallest_cut=0.0, iterations=10)
 
 
 def first(bounds_so_far, count: int) -> list[Bound]:
@@ -235,3 +236,13 @@ def test_what_cannot_be_bounded_is_refused():
     with pytest.raises(UnsupportedProblemError):
         next(iter(ConnectedSubgraph().bounds(drifting)))
     assert list(bounds(drifting)) == []
+
+
+@pytest.mark.parametrize(("seed", "end"), [(0, None), (1, (3, 3)), (2, None), (3, (0, 0))])
+def test_the_bound_holds_against_an_integer_program(seed, end):
+    problem = islands(np.random.default_rng(seed), (4, 4), 8, end=end)
+    best = exact_optimum(problem)
+    for known in (-np.inf, best):
+        found = first(QUICK.bounds(problem, known), 60)
+        assert all(bound.value >= best * (1 - 1e-9) for bound in found)
+        assert found[-1].value <= 1.1 * best

@@ -12,7 +12,7 @@ from sooner.problem import Gains, Objective, Searcher, SearchProblem
 from tests.oracles.walks import soonest
 from tests.strategies import problems
 
-QUICK = ConnectedSubgraph(warm_up=20, separate_every=1, smallest_cut=0.0, iterations=10)
+QUICK = ConnectedSubgraph(separate_every=1, smallest_cut=0.0, iterations=10)
 
 
 @settings(max_examples=100, deadline=None)

@@ -30,7 +30,7 @@ def reverse_slots(neighbours):
 
 @njit(cache=True, nogil=True)
 def _repeats(row, ratio, first, price, most):
-    """Profit and number of looks first, first + 1, ... that pay more than `price`; at most `most` of them."""
+    """Profit of looks first, first + 1, ... that pay more than `price`; at most `most` of them."""
     length = row.shape[0]
     gain = row[min(first, length) - 1]
     for _ in range(length, first):  # several searchers that start on one cell
@@ -40,22 +40,21 @@ def _repeats(row, ratio, first, price, most):
         k = first + count
         gain = row[k] if k < length else gain * ratio
         if gain <= price:
-            return profit, count
+            return profit
         if k >= length + LONG_TAIL:
-            return profit + (most - count) * (gain - price), most
+            return profit + (most - count) * (gain - price)
         profit += gain - price
-    return profit, most
+    return profit
 
 
 @njit(cache=True, nogil=True)
 def price_arcs(
     neighbours, table, ratio, free, steps, hover, mu, lam, cut_ptr, cut_arc, cut_cell, cut_price, n_cuts,
-    cost, prize, repeats, via,
+    cost, prize,
 ):  # fmt: skip
     """Reduced costs >= 0 of the arcs and prizes >= 0 of the cells that the multipliers leave; returns the rest.
 
-    rest + sum of prizes is a bound, up to the end cells' potential. Also fills how many further looks pay at each
-    cell and where they come from.
+    rest + sum of prizes is a bound, up to the end cells' potential.
     """
     n, degree = neighbours.shape
     for v in range(n):
@@ -73,20 +72,12 @@ def price_arcs(
                 cost[v, a - v * degree] -= y
     rest = mu * steps
     for v in range(n):
-        cheapest = np.inf
-        via[v] = -1
+        cheapest = mu if hover else np.inf
         for d in range(degree):
             u = neighbours[v, d]
-            if u >= 0 and mu - lam[v] + lam[u] < cheapest:
-                cheapest = mu - lam[v] + lam[u]
-                via[v] = u
-        if hover and mu < cheapest:
-            cheapest = mu
-            via[v] = v
-        profit, count = 0.0, 0
-        if via[v] >= 0:
-            profit, count = _repeats(table[v], ratio[v], max(free[v], 1), cheapest, steps)
-        repeats[v] = count
+            if u >= 0:
+                cheapest = min(cheapest, mu - lam[v] + lam[u])
+        profit = _repeats(table[v], ratio[v], max(free[v], 1), cheapest, steps) if cheapest < np.inf else 0.0
         if free[v] > 0:  # a start: looked at for nothing, never entered first
             rest += profit + free[v] * lam[v]
             gain = table[v, 0]
@@ -292,122 +283,6 @@ def _join(grown, neighbours, reverse, cost, reached, queue):
 
 
 @njit(cache=True, nogil=True)
-def slope(
-    neighbours, reverse, free, ends, n_open, cost, prize, worth, repeats, via, lam, steps, target, n_trees, seed, g
-):
-    """Slope of the bound in lam (into g) and mu (returned), from random trees over arcs of no cost.
-
-    Each tree is a depth-first search from the starts with its directions turned at random; leaves that pay nothing
-    are cut, then leaves whose prize is used up, at random, until `target` cells remain.
-    """
-    n, degree = neighbours.shape
-    dice = np.uint64(seed) * np.uint64(2654435761) + np.uint64(88172645463325252)
-    parent = np.empty(n, np.int32)
-    children = np.empty(n, np.int32)
-    turn = np.empty(n, np.int8)
-    done = np.empty(n, np.int8)
-    order = np.empty(n, np.int32)
-    stack = np.empty(n, np.int32)
-    g[:] = 0.0
-    g_mu = 0.0
-    for _ in range(n_trees):
-        parent[:] = -2
-        children[:] = 0
-        done[:] = 0
-        count = 0
-        for start in range(n):
-            if free[start] == 0 or parent[start] != -2:
-                continue
-            parent[start] = -1
-            stack[0] = start
-            size = 1
-            while size > 0:
-                u = stack[size - 1]
-                if done[u] == 0:
-                    dice ^= dice << np.uint64(13)
-                    dice ^= dice >> np.uint64(7)
-                    dice ^= dice << np.uint64(17)
-                    turn[u] = np.int8((dice >> np.uint64(20)) % np.uint64(degree))
-                grew = False
-                while done[u] < degree:
-                    d = (done[u] + turn[u]) % degree
-                    done[u] += 1
-                    v = neighbours[u, d]
-                    if v >= 0 and parent[v] == -2 and free[v] == 0 and cost[v, reverse[u, d]] == 0.0:
-                        parent[v] = u
-                        children[u] += 1
-                        order[count] = v
-                        count += 1
-                        stack[size] = v
-                        size += 1
-                        grew = True
-                        break
-                if not grew:
-                    size -= 1
-        left = count
-        for i in range(count - 1, -1, -1):
-            v = order[i]
-            if children[v] == 0 and worth[v] <= 0.0:
-                children[parent[v]] -= 1
-                parent[v] = -2
-                left -= 1
-        for _ in range(12):
-            before = left
-            for i in range(count - 1, -1, -1):
-                if left <= target:
-                    break
-                v = order[i]
-                if parent[v] >= 0 and children[v] == 0 and prize[v] <= 0.0:
-                    dice ^= dice << np.uint64(13)
-                    dice ^= dice >> np.uint64(7)
-                    dice ^= dice << np.uint64(17)
-                    if (dice >> np.uint64(20)) & np.uint64(3) == np.uint64(0) and worth[v] > 0.0:
-                        continue
-                    children[parent[v]] -= 1
-                    parent[v] = -2
-                    left -= 1
-            if left == before:
-                break
-        g_mu += steps
-        for v in range(n):
-            if parent[v] >= 0:
-                g[v] += 1.0
-                g[parent[v]] -= 1.0
-                g_mu -= 1.0
-            if (parent[v] >= 0 or free[v] > 0) and repeats[v] > 0:
-                g_mu -= repeats[v]
-                if via[v] != v:
-                    g[v] += repeats[v]
-                    g[via[v]] -= repeats[v]
-    lowest = 0
-    for v in range(n):
-        g[v] = g[v] / n_trees + free[v] - ends[v]
-        if lam[v] < lam[lowest]:
-            lowest = v
-    g[lowest] -= n_open
-    return g_mu / n_trees
-
-
-@njit(cache=True, nogil=True)
-def hold_down(neighbours, table, mu, lam, rounds):
-    """Lower lam until no second look pays for its entry (almost: a few sweeps)."""
-    n, degree = neighbours.shape
-    for _ in range(rounds):
-        changed = False
-        for v in range(n):
-            lowest = np.inf
-            for d in range(degree):
-                u = neighbours[v, d]
-                if u >= 0:
-                    lowest = min(lowest, lam[u])
-            if lam[v] > lowest + mu - table[v, 1]:
-                lam[v] = lowest + mu - table[v, 1]
-                changed = True
-        if not changed:
-            break
-
-
-@njit(cache=True, nogil=True)
 def _smoothed(
     neighbours, table, ratio, free, ends, n_open, steps, hover, mu, lam,
     cut_ptr, cut_arc, cut_cell, cut_price, n_cuts, tau, cost, charged, g, g_cut, flow, visited,
@@ -451,7 +326,7 @@ def _smoothed(
         first = max(free[v], 1)
         profit = 0.0
         if cheapest < np.inf:
-            profit, _ = _repeats(table[v], ratio[v], first, cheapest, steps)
+            profit = _repeats(table[v], ratio[v], first, cheapest, steps)
             gain = table[v, min(first, table.shape[1]) - 1]
             for k in range(first, first + min(steps, 8)):
                 gain = table[v, k] if k < table.shape[1] else gain * ratio[v]

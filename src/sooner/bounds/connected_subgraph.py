@@ -31,10 +31,9 @@ Several searchers: one root for each start, mu times the sum of their steps, the
 its own lam in place of the minimum. A fixed wing may do less than a copter, so both bounds hold for it; hovering is
 then left out of w(v). mu >= 0 covers flights that stop early.
 
-**Multipliers.** First a subgradient method in lam and mu, each dual ascent afresh, slopes from random depth-first
-trees over arcs of no reduced cost. Then lam, mu and y descend together: (3) is convex in all of them, its maxima are
-smoothed (tau) for Adam, and every few dozen iterations the dual ascent goes on from where they stand, which finds the
-sets that are missing.
+**Multipliers.** mu alone first, each dual ascent afresh. Then lam, mu and y descend together: (3) is convex in all of
+them, its maxima are smoothed (tau) for Adam; every few dozen iterations the dual ascent goes on from where they stand,
+which finds sets that are missing, and minimum cuts of the mean flow find sets that it enters too little.
 
 References
 ----------
@@ -73,10 +72,7 @@ class ConnectedSubgraph:
     Parameters
     ----------
     balance : bool            use the potential lam; without it the bound is the plain one
-    warm_up : int             subgradient iterations before the joint descent
     patience : float          how far a set may outgrow the next in the dual ascent's queue
-    trees : int               random trees for each slope
-    overfill : float          cells kept in those trees, over the steps there are
     rate : float              first step of the joint descent, in mean looks; tau is five times the step
     decay : float             of the step, each round
     least_rate : float        of the step
@@ -86,10 +82,7 @@ class ConnectedSubgraph:
     """
 
     balance: bool = True
-    warm_up: int = 100
     patience: float = 3.0
-    trees: int = 4
-    overfill: float = 1.5
     rate: float = 0.003
     decay: float = 0.985
     least_rate: float = 1e-4
@@ -123,7 +116,7 @@ class _Network:
 
     neighbours: NDArray[np.int32]  # (N, D)
     reverse: NDArray[np.int8]  # (N, D)
-    table: Floats  # (N, L), L >= 2
+    table: Floats  # (N, L)
     ratio: Floats  # (N,)
     free: NDArray[np.int64]  # (N,) searchers that start here
     ends: NDArray[np.int64]  # (N,) searchers that must end here
@@ -150,8 +143,6 @@ class _Network:
                 ends[grid.index(searcher.end)] += 1
             within |= (there >= 0) & (back >= 0) & (there + back <= searcher.budget)
         table = problem.gains.table[within]
-        if table.shape[1] == 1:
-            table = np.column_stack([table[:, 0], table[:, 0] * problem.gains.ratio[within]])
         unit = float(curve[-1]) / len(curve) if len(curve) else 0.0
         neighbours = _renumbered(grid.neighbours, within)
         return cls(
@@ -250,9 +241,7 @@ class _Dual:
     def _allocate(self) -> None:
         n, degree = self.network.neighbours.shape
         self.cost, self.prize = np.empty((n, degree)), np.empty(n)
-        self.repeats, self.via = np.empty(n, np.int64), np.empty(n, np.int32)
         self.state = np.zeros(3, np.int64)
-        self.worth = np.empty(n)
         reached, key, item, mark = np.empty(n, np.bool_), np.empty(n), np.empty(n, np.int32), np.zeros(n, np.int32)
         self.queue: tuple[Any, ...] = (reached, key, item, mark, np.empty(n, np.int32))
         self.arcs = np.empty(n * degree, np.int64)
@@ -264,10 +253,9 @@ class _Dual:
         pool = (cuts.pointers, cuts.arcs, cuts.cells, cuts.prices)
         rest = _kernels.price_arcs(
             net.neighbours, net.table, net.ratio, net.free, net.steps, net.hover, mu, lam, *pool, cuts.count,
-            self.cost, self.prize, self.repeats, self.via,
+            self.cost, self.prize,
         )  # fmt: skip
         rest -= float(net.ends @ lam) + (net.n_open * float(lam.min()) if net.n_open else 0.0)
-        self.worth = self.prize.copy()
         smallest = self.settings.smallest_cut if keep_cuts else inf
         start: Any = _kernels.start_ascent
         ascend: Any = _kernels.ascend
@@ -307,65 +295,7 @@ class _Dual:
 
     # --- mu and lam, then cuts as well -----------------------------------------------------------------------------
     def balanced(self) -> Iterator[None]:
-        """Subgradient steps, then the joint descent, until the plan is proved or nothing moves."""
-        yield from self._subgradient()
-        yield from self._descent()
-
-    def _subgradient(self) -> Iterator[None]:
-        net, fails, theta, stride = self.network, 0, 1.0, 0.02 * self.mu
-        best, best_mu, best_lam = inf, self.mu, self.lam.copy()
-        direction = np.zeros(net.n_cells)
-        for iteration in range(self.settings.warm_up):
-            if iteration % 8 == 7:
-                stride = yield from self._search_mu(stride)
-            bound = yield from self.evaluate(self.mu, self.lam)
-            if bound < best:
-                fails = 0 if bound < best - 2e-5 * net.steps else fails
-                best, best_mu, best_lam = bound, self.mu, self.lam.copy()
-            else:
-                fails += 1
-            if fails > 25:
-                theta, fails = 0.7 * theta, 0
-                self.mu, self.lam = best_mu, best_lam.copy()
-                direction[:] = 0.0
-                bound = yield from self.evaluate(self.mu, self.lam)
-            slope = np.empty(net.n_cells)
-            _kernels.slope(
-                net.neighbours, net.reverse, net.free, net.ends, net.n_open, self.cost, self.prize, self.worth,
-                self.repeats, self.via, self.lam, net.steps, int(self.settings.overfill * net.steps),
-                self.settings.trees, iteration + 1, slope,
-            )  # fmt: skip
-            direction = 0.6 * direction + 0.4 * slope
-            gap = min(max(bound - self.known(), 1e-3 * bound), 0.004 * bound)
-            if iteration % 10 == 9:
-                kept = self._worth_keeping()
-                if kept is not None:
-                    direction, best_lam = direction[kept], best_lam[kept]
-                    self._take_off(kept)
-                    net = self.network
-            self.lam = self.lam - theta * gap / max(float(direction @ direction), 1.0) * direction
-            _kernels.hold_down(net.neighbours, net.table, self.mu, self.lam, 3)
-            if self.finished:
-                return
-            yield
-        self.mu, self.lam = best_mu, best_lam
-
-    def _search_mu(self, stride: float) -> Generator[None, None, float]:
-        """Walk mu up or down while the bound falls; the next stride."""
-        bound, moved = (yield from self.evaluate(self.mu, self.lam)), False
-        for sign in (1.0, -1.0):
-            while self.mu + sign * stride > 0.0:
-                there = yield from self.evaluate(self.mu + sign * stride, self.lam)
-                yield
-                if there >= bound:
-                    break
-                bound, moved = there, True
-                self.mu += sign * stride
-            if moved:
-                break
-        return max(stride * (1.5 if moved else 0.5), 5e-4 * self.mu)
-
-    def _descent(self) -> Iterator[None]:
+        """Descend in lam, mu and the cuts' prices together, until the plan is proved or nothing moves."""
         own, rate, idle, rounds = self.settings, self.settings.rate, 0, 0
         price, moments = np.array([self.mu, 0.0, 0.0, 0.0]), np.zeros((2, self.network.n_cells))
         flow, visited = np.zeros(self.network.neighbours.shape), np.zeros(self.network.n_cells)
