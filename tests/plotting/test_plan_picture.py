@@ -45,7 +45,7 @@ def test_the_same_plan_gives_the_same_picture():
     [
         Caption("Small", "greedy", bound=0.9, bound_proof="proof", step_s=2.0, cell_m=20.0),
         Caption("No metres", "greedy", bound=0.9),
-        Caption(r"Dollar $ign and \ backslash_{x}", "greedy", cell_m=2000.0),
+        Caption(r"$\frac{1}{$ two \ lines" + "\n and 山 " + "long " * 99, "greedy", cell_m=2000.0),
         None,
     ],
 )

@@ -18,7 +18,7 @@ from sooner.errors import DataFormatError, Fault, InvalidProblemError
 from sooner.grid import Grid
 from sooner.io import Raster, read_raster
 from sooner.io.rasters import opened
-from sooner.missions.settings import Searching, Settings, not_yet
+from sooner.missions.settings import MAX_STEPS, Searching, Settings, not_yet
 from sooner.problem import CellMoves, Objective, Searcher, SearchProblem, detection_gains
 from sooner.sensors import glimpse_from_difficulty
 
@@ -316,6 +316,10 @@ class _Reading:
             if steps < 1:
                 came = f"{settings.budget.seconds:g} s came, and one step takes {step_s:g} s"
                 self.fault("budget.seconds", came, "expected time for at least one step")
+                return None
+            if steps > MAX_STEPS:
+                came = f"{settings.budget.seconds:g} s came, and one step takes {step_s:g} s"
+                self.fault("budget.seconds", came, f"expected time for at most {MAX_STEPS:,} steps")
                 return None
         ends_wrong = said.end is not None and end is None
         if grid is None or start is None or steps is None or ends_wrong:

@@ -8,10 +8,14 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from sooner.errors import Fault
 
-__all__ = ["Area", "Budget", "Place", "Searching", "Sensor", "Settings", "Wish", "not_yet"]
+__all__ = ["MAX_STEPS", "Area", "Budget", "Place", "Searching", "Sensor", "Settings", "Wish", "not_yet"]
 
 Cell = Annotated[list[Annotated[int, Field(strict=True)]], Field(min_length=2, max_length=2)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Metres = Annotated[float, Field(ge=0.001, le=1_000_000, allow_inf_nan=False)]
+Speed = Annotated[float, Field(ge=0.001, le=1_000, allow_inf_nan=False)]
+
+MAX_STEPS = 1_000_000
 
 
 class _Table(BaseModel):
@@ -36,7 +40,7 @@ class Area(_Table):
     evidence: str | None = Field(
         default=None, description="instead of `poc`: independent probability per cell (not yet)"
     )
-    cell_m: Positive | None = Field(
+    cell_m: Metres | None = Field(
         default=None, description="metres between cell centres, where the raster has no georeference"
     )
     obstacles: str | None = Field(default=None, description="raster; non-zero cells cannot be entered")
@@ -79,14 +83,14 @@ class Searching(_Table):
     kind: Literal["copter", "fixed_wing"] = Field(
         default="copter", description="a copter may hover; a fixed wing neither hovers nor turns straight back"
     )
-    speed_mps: Positive | None = Field(default=None, description="metres a second; turns steps into seconds")
+    speed_mps: Speed | None = Field(default=None, description="metres a second; turns steps into seconds")
     accel_mps2: Positive | None = Field(default=None, description="metres a second squared (not yet)")
 
 
 class Budget(_Table):
     """`[budget]`: how long the search lasts; one of the two."""
 
-    steps: Annotated[int, Field(strict=True, ge=1)] | None = Field(
+    steps: Annotated[int, Field(strict=True, ge=1, le=MAX_STEPS)] | None = Field(
         default=None, description="moves from cell to cell, at least 1"
     )
     seconds: Positive | None = Field(default=None, description="flying time; needs `cell_m` and `speed_mps`")

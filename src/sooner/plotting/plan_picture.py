@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import warnings
 from dataclasses import dataclass
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -69,7 +71,8 @@ def draw_plan(
 
     caption = caption or Caption()
     plain: dict[Any, Any] = dict(mpl.rcParamsDefault)
-    with mpl.rc_context(plain | STYLE):
+    with mpl.rc_context(plain | STYLE), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a name in a script that the font lacks
         figure = Figure(figsize=(WIDTH, HEIGHT), facecolor=PAPER, layout=None)
         FigureCanvasAgg(figure)
         _compose(figure, evaluation, plan, poc, glimpse, caption)
@@ -162,7 +165,7 @@ def remaining(evaluation: Evaluation, poc: NDArray[np.float64]) -> NDArray[np.fl
 def _title(figure: Figure, evaluation: Evaluation, caption: Caption) -> None:
     time = duration(float(evaluation.times[-1]), caption.step_s)
     by = f", planned by {caption.planner}" if caption.planner else ""
-    figure.text(0.035, 0.945, caption.name, fontsize=17, color=INK, weight="bold", va="center")
+    figure.text(0.035, 0.945, shorten(caption.name, 90), fontsize=17, color=INK, weight="bold", va="center")
     told = [f"{evaluation.total:.1%} found in {time}{by}"]
     if evaluation.problem.objective.target is None and np.isfinite(caption.bound):
         told.append(f"no flight can pass {caption.bound:.1%}")

@@ -32,6 +32,7 @@ VALUE, BOUND = "#0072b2", "#d55e00"
 
 STYLE: dict[str, Any] = {
     "font.family": "DejaVu Sans",
+    "text.parse_math": False,  # a name with a dollar sign is a name
     "axes.edgecolor": "#c4c9d0",
     "axes.linewidth": 0.8,
     "axes.labelcolor": INK,
