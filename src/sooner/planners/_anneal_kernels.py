@@ -71,6 +71,14 @@ def _apart(where, slots, i, j):
 
 
 @kernel
+def _straight(where, i, j, steps):
+    """Whether two cells lie exactly `steps` apart in one row or column."""
+    down = where[i, 0] - where[j, 0]
+    right = where[i, 1] - where[j, 1]
+    return (down == 0 and abs(right) == steps) or (right == 0 and abs(down) == steps)
+
+
+@kernel
 def _adjacent(neighbours, i, j):
     for slot in range(neighbours.shape[1]):  # noqa: SIM110
         if neighbours[i, slot] == j:
@@ -310,16 +318,17 @@ def _rewrite(
     first, span, change, pinned, wing, previous, bar, price, greed,
 ):  # fmt: skip
     """Replace the window of `span` steps after `first` by a way `change` steps longer; the change of value."""
+    slots = neighbours.shape[1]
     last, m = _span(nodes, first, span)
     free = nodes[last, NEXT] < 0 and not pinned
     steps = m + change
     if steps < 1 and not (free and steps >= 0 and m > 0):
         return 0.0
     if not free:
-        if m == 0 or _apart(where, neighbours.shape[1], nodes[first, CELL], nodes[last, CELL]) > steps:
+        if m == 0 or _apart(where, slots, nodes[first, CELL], nodes[last, CELL]) > steps:
             return 0.0
-        if m == 1 and steps == 1:
-            return 0.0
+        if change == 0 and slots == 4 and _straight(where, nodes[first, CELL], nodes[last, CELL], m):
+            return 0.0  # as it is, is the only way
     old = m if free else m - 1
     loss = _forget(nodes, looks, pays, gains, ratio, nodes[first, NEXT], old)
     pay = _sample(
@@ -544,7 +553,7 @@ def route(where, slots, anchors, prize, cost, start, end, budget, spare, state, 
     best_n = 0
     for move in range(moves):
         temperature *= cooling
-        spare = full * min(1.0, 2.0 * move / moves)  # at first time costs nothing, or no route would leave for far hills
+        spare = full * min(1.0, 2.0 * move / moves)  # time is free at first, or no route would leave for far hills
         bar = temperature * math.log(_uniform(state) + 1e-10)
         kind = _uniform(state)
         if kind < 0.6 or n < 2:

@@ -63,7 +63,7 @@ class Anneal:
 
     starts: int = 40
     halvings: tuple[tuple[float, int], ...] = ((0.15, 14), (0.3, 5), (0.5, 2), (0.7, 1))
-    hot: float = 0.4
+    hot: float = 0.3
     cold: float = 0.035
     polish: float = 0.03
     prices: tuple[float, float] = (0.7, 0.8)
