@@ -99,6 +99,13 @@ def test_a_target_out_of_reach_has_no_value(sooner, mission):
     assert ended.json["value"] is None
 
 
+def test_several_searchers_are_planned_together(sooner, mission):
+    mission.write_text(MISSION.replace("[budget]", "[[searcher]]\nstart = [4, 5]\nspeed_mps = 12.0\n[budget]"))
+    told = plan(sooner, mission, "--json").json
+    assert [searcher["cells"][0] for searcher in told["searchers"]] == [[2, 2], [4, 5]]
+    assert sooner("evaluate", mission, told["plan_file"], "--json").json["value"] == told["value"]
+
+
 def test_a_fixed_wing_that_is_stuck_is_refused(sooner, mission):
     (mission.parent / "poc.csv").write_text("1,2,3\n")
     mission.write_text(MISSION.replace("start = [2, 2]", 'start = [0, 0]\nkind = "fixed_wing"'))

@@ -47,7 +47,7 @@ def toml(value) -> str:
     return repr(value)
 
 
-@settings(max_examples=300)
+@settings(max_examples=300, deadline=None)
 @given(MISSIONS)
 def test_a_mission_is_read_or_refused(said):
     with tempfile.TemporaryDirectory() as name:

@@ -81,6 +81,16 @@ BAD = {
     "later: regions": (spoiled(START, START + '\nmoves = "regions"'), "searcher[0].moves", "does not do yet"),
     "later: acceleration": (spoiled(START, START + "\naccel_mps2 = 2"), "searcher[0].accel_mps2", "does not do yet"),
     "later: information": (MISSION + '[objective]\nkind = "information"\n', "objective.kind", "does not do yet"),
+    "later: searchers of different speeds": (
+        MISSION + "[[searcher]]\nstart = [1, 1]\nspeed_mps = 6.0\n",
+        "searcher[1].speed_mps",
+        "does not do yet",
+    ),
+    "later: a target for several": (
+        MISSION + "[[searcher]]\nstart = [1, 1]\nspeed_mps = 12.0\n[objective]\ndetection_target = 0.5\n",
+        "objective.detection_target",
+        "does not do yet",
+    ),
     "later: latitude": (spoiled(START, "start = {lat = 46.1, lon = 11.2}"), "searcher[0].start", "does not do yet"),
 }
 

@@ -131,6 +131,12 @@ def not_yet(settings: Settings, file: str) -> list[Fault]:
             refuse(f"sensor.{key}", what, "give sensor.difficulty or sensor.glimpse; a look covers the cell below")
     if settings.objective.kind == "information":
         refuse("objective.kind", "'information'", "give 'detection'")
+    if len(settings.searcher) > 1 and settings.objective.detection_target is not None:
+        refuse("objective.detection_target", "a target for several searchers", "give one searcher, or no target")
+    speeds = [searcher.speed_mps for searcher in settings.searcher]
+    for number, speed in enumerate(speeds):
+        if speed != speeds[0]:
+            refuse(f"searcher[{number}].speed_mps", "another speed than searcher[0]'s", "give all the same")
     for number, searcher in enumerate(settings.searcher):
         key = f"searcher[{number}]"
         if searcher.moves != "cells":
