@@ -58,7 +58,7 @@ def search(
 @settings(max_examples=40)
 @given(problem=problems())
 def test_it_finds_the_optimum_of_every_problem_small_enough_to_enumerate(problem: SearchProblem) -> None:
-    found = solve(problem, Anneal(starts=6), max_ticks(40)).best
+    found = solve(problem, Anneal(starts=4, threads=1), max_ticks(40)).best
     assert found.value == pytest.approx(optimum(problem), abs=1e-12)
 
 
@@ -69,7 +69,9 @@ def test_it_finds_the_optimum_on_a_hill_of_twelve_cells(
     connectivity: str, moves: CellMoves, end: tuple[int, int] | None
 ) -> None:
     problem = search((3, 4), 8 if connectivity == "square4" else 6, connectivity, moves, end, looks=2, seed=5)
-    assert solve(problem, Anneal(starts=6), max_ticks(40)).best.value == pytest.approx(optimum(problem), abs=1e-12)
+    assert solve(problem, Anneal(starts=4, threads=1), max_ticks(40)).best.value == pytest.approx(
+        optimum(problem), abs=1e-12
+    )
 
 
 def test_a_fixed_wing_in_a_dead_end_flies_the_only_way_there_is() -> None:

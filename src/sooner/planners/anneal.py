@@ -95,7 +95,7 @@ class Anneal:
                     self._start(walks, ground, best, now, rng, pool)
                     self._halve(walks, best, now)
                     self._anneal(walks, now, pool)
-                    best.offer(max(walks, key=lambda walk: walk.value).flown())
+                    best.offer(max(walks, key=lambda walk: walk.rank).flown())
                     share = yield best.incumbent
                     tick += 1
                 ticks *= 2
@@ -126,7 +126,7 @@ class Anneal:
         """Let the better walks go on, and see what the best of them is worth polished."""
         keep = min((max(n, self.threads) for share, n in self.halvings if now >= share), default=len(walks))
         if keep < len(walks):
-            walks.sort(key=lambda walk: -walk.value)
+            walks.sort(key=lambda walk: walk.rank, reverse=True)
             del walks[keep:]
             copy = walks[0].copy()
             copy.anneal(self, POLISH, self.moves // 4, price=0.0)
@@ -218,6 +218,11 @@ class _Walk:
         self.state = np.array([0, 0, *rng.integers(1, 2**32, 2)], np.int64)
         self.scratch = np.zeros(slots + 1), np.zeros(256, np.int32)
         self.value = kernels.load(walk, self.nodes, self.looks, self.pays, self.state, ground.gains, ground.ratio)
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """The better walk has the larger one; where all steps must be flown, those that do come first."""
+        return not self.ground.strict or self.state[kernels.SIZE] == self.ground.limit, self.value
 
     def copy(self) -> _Walk:
         twin = object.__new__(_Walk)
