@@ -25,7 +25,8 @@ def draw_curve(axes: Axes, evaluation: Evaluation, bound: float = np.inf, step_s
     top, end = float(cdp[-1]), float(times[-1])
     try:
         reference = evaluation.problem.teleport
-        when = (reference.delay + np.arange(len(reference.curve))) * unit
+        looks_a_step = len(evaluation.problem.searchers)
+        when = (reference.delay + np.arange(len(reference.curve)) // looks_a_step) * unit
         axes.plot(
             when, reference.curve * 100, color=GREY, lw=1.2, ls=(0, (1, 1.5)), label="if it could teleport", zorder=2
         )

@@ -197,7 +197,7 @@ def _draw_flight(
     longest = max(max(len(actions) for actions in plan.actions) - 1, 1)
     step = (caption.step_s or 60.0) / 60.0
     clock = Normalize(0, longest * step)
-    for actions in plan.actions:
+    for number, actions in enumerate(plan.actions):
         _draw_path(axes, cells, cells.grid.centres_m[actions], clock, step)
         start = cells.grid.centres_m[actions[0]]
         last = cells.grid.centres_m[actions[-1]]
@@ -207,6 +207,8 @@ def _draw_flight(
         axes.plot(
             *start, "o", ms=11, mfc=START, mec="white", mew=1.8, zorder=7, label="start and end" if home else "start"
         )
+        if len(plan.actions) > 1:
+            axes.annotate(str(number), start, color="white", fontsize=7.5, ha="center", va="center_baseline", zorder=8)
     seen = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
     names = sorted(seen, reverse=True)
     axes.legend(
