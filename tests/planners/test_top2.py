@@ -11,7 +11,7 @@ from sooner.problem import CellMoves, Gains, Searcher, SearchProblem
 from tests.planners.climbing import check_contract, hilly_problems, two_hills
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(hilly_problems())
 def test_every_plan_is_legal_and_never_worse(problem):
     check_contract(Top2(layers=(3, 2)), problem)

@@ -21,11 +21,11 @@ def test_every_plan_is_legal_and_never_worse(problem):
 
 
 def test_the_hierarchy_is_legal_on_every_topology_with_walls_and_ends():
-    walls = np.zeros((21, 31), bool)
-    walls[3:18, 15] = True
+    walls = np.zeros((13, 19), bool)
+    walls[2:11, 9] = True
     for connectivity, kind in product(["square4", "square8", "hex"], ["copter", "fixed_wing"]):
-        grid, gains = two_hills(connectivity=connectivity, obstacles=walls)
-        searcher = Searcher((10, 14), 150, end=(11, 13), moves=CellMoves(kind))
+        grid, gains = two_hills((13, 19), ((6, 3), (6, 15)), connectivity, obstacles=walls)
+        searcher = Searcher((6, 8), 80, end=(7, 7), moves=CellMoves(kind))
         check_contract(TopN(), SearchProblem(grid, gains, (searcher,)))
 
 

@@ -15,6 +15,7 @@ from sooner.grid._kernels import distances
 from sooner.problem._kernels import can_go_on
 
 FAR = 1 << 28
+EQUAL = 1e-12  # boxes that differ by less, of their sum, hold the same ground in another order
 DUST = 2.0**-150  # a smaller gain is nothing, as in the authors' single precision: what ends a wait on one cell
 
 
@@ -40,7 +41,7 @@ def look(table, ratio, now, looks, cell):
     return gained
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=True)
 def _box(now, width, cell, kernel):
     """Sum of `now` over the box of kernel x kernel cells around `cell`; beyond the map lies nothing."""
     half = kernel // 2
@@ -82,9 +83,9 @@ def _best_step(reach, now, width, kernel, cell, before, left, state):
             box = _box(now, width, other, kernel)
         else:
             best_box = 0.0
-        if box > best_box:
+        if box > best_box * (1.0 + EQUAL):
             best, best_box, ties = other, box, 1
-        elif box == best_box:
+        elif box >= best_box * (1.0 - EQUAL):
             ties += 1
             if _uniform(state) * ties < 1.0:
                 best = other
