@@ -32,6 +32,7 @@ Walk = NDArray[np.int32]
 LOOKS = 8  # gains are tabulated for this many looks at a cell; later ones are worked out
 POLISH = 0.001  # a temperature at which nothing but improvement is accepted
 FILL = -1e3  # price of a step where the walk must have all the steps of the budget
+FILL_MOVES = 30  # for each step, to fill the first walk up
 FOREVER = 2**31 - 1  # in `Reach`: a fixed wing that is never stuck
 FIRST_ROUND = 64  # ticks of the first round where the stop rule has no horizon
 SHORT_TICK = 200  # moves of a tick on the smallest of problems; more with the square of the budget
@@ -102,10 +103,15 @@ class Anneal:
 
     def _given(self, ground: _Ground, rng: Generator) -> Iterator[Walk | None]:
         """First plans: of other planners, and one from the coarse question; legal ones, whatever the aircraft."""
-        planners = (*self.seeds, Greedy()) if ground.strict else self.seeds
-        for planner in planners:
-            yield next(iter(planner.plans(ground.problem, rng))).plan.actions[0].astype(np.int32)
-        yield _Walk(ground, _coarse_walk(ground, rng), rng).flown()
+        for planner in self.seeds:
+            yield _first_plan(planner, ground.problem, rng)
+        walk = _Walk(ground, _coarse_walk(ground, rng), rng)
+        if ground.strict:
+            walk.anneal(self, POLISH, FILL_MOVES * ground.limit, price=0.0)
+        flown = walk.flown()
+        yield flown
+        if flown is None:  # dead ends: one that looks ahead, or says that there is no way at all
+            yield _first_plan(Greedy(), ground.problem, rng)
 
     def _start(
         self, walks: list[_Walk], ground: _Ground, best: _Best, now: float, rng: Generator, pool: ThreadPoolExecutor
@@ -147,6 +153,10 @@ class Anneal:
         list(pool.map(run, shares))
 
 
+def _first_plan(planner: Planner, problem: SearchProblem, rng: Generator) -> Walk:
+    return next(iter(planner.plans(problem, rng))).plan.actions[0].astype(np.int32)
+
+
 class _Best:
     """The best plan so far, by the judge's word."""
 
@@ -180,14 +190,13 @@ class _Ground:
     def __init__(self, problem: SearchProblem) -> None:
         grid, curve = problem.grid, problem.teleport.curve
         reach = Reach(grid, problem.searcher)
-        reach.check()
         self.problem = problem
         self.neighbours, self.where = grid.neighbours, _coordinates(grid)
         self.start, self.end, self.previous = reach.start, reach.end, reach.came_from
         self.limit = problem.searcher.budget + 1
         self.wing, self.pinned = reach.fixed_wing, reach.end >= 0
         self.strict = self.wing and (self.pinned or bool((reach.arrays[-1] < FOREVER).any()))
-        self.to_end = reach.arrays[3] if self.pinned else np.zeros(grid.n_cells, np.int32)
+        self.to_end = grid.distances_from(self.end) if self.pinned else np.zeros(grid.n_cells, np.int32)
         scale = len(curve) / curve[-1] if len(curve) and curve[-1] > 0 else 1.0
         looks = max(LOOKS, problem.gains.table.shape[1])
         self.unit = 1.0 / scale
