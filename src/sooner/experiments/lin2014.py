@@ -21,7 +21,7 @@ from sooner.experiments.lin2014_claims import WITHOUT_CHANCE, claims
 from sooner.experiments.lin2014_maps import posed
 from sooner.experiments.study import Reproduced, commit, processor
 from sooner.experiments.trials import Estimate, estimate, run_trials
-from sooner.planners import max_seconds, max_ticks, solve
+from sooner.planners import StopRule, max_ticks, solve
 from sooner.planners.planner import Planner
 from sooner.problem import SearchProblem, evaluate
 
@@ -45,9 +45,10 @@ class Case:
     planner : str              its name in the study
     make : str                 "module:Class"
     settings : str             its arguments as JSON; an object with "make" is made in turn
-    seconds : float or None    planning time; None lets the planner finish
+    seconds : float or None    planning time, of all threads together by the process's own clock; None lets it finish
     proved : bool              with a bound running beside it
     most : int                 seeds that are enough, where one takes long
+    factor : int               times as many seeds, where chance decides
     """
 
     instance: str
@@ -61,6 +62,7 @@ class Case:
     seconds: float | None = None
     proved: bool = False
     most: int = 1_000_000
+    factor: int = 1
 
     def planner_made(self) -> Planner:
         """The planner, with its settings."""
@@ -100,12 +102,14 @@ class Outcome:
     efficiency : float         Efficiency_LB in percent [Lin2014, eq. (9)]
     bound : float              what no plan exceeds, in the same percent; 100 where only teleport is known
     seconds : float            wall-clock time of planning, kernels loaded
+    cpu : float                the same by the process's own clock, over all its threads
     cells : tuple of int       the path
     """
 
     efficiency: float
     bound: float
     seconds: float
+    cpu: float
     cells: tuple[int, ...]
 
 
@@ -114,13 +118,23 @@ def run_trial(trial: Trial) -> Outcome:
     case = trial.case
     problem = posed(trial.data, case.map, case.start, case.steps, case.end)
     _load_kernels(case, problem)
-    began = time.perf_counter()
-    stop = max_seconds(case.seconds) if case.seconds is not None else None
+    stop = _cpu_seconds(case.seconds) if case.seconds is not None else None
+    began, cpu = time.perf_counter(), time.process_time()
     best = solve(problem, case.planner_made(), stop, trial.seed).best
-    seconds = time.perf_counter() - began
+    seconds, cpu = time.perf_counter() - began, time.process_time() - cpu
     judged, teleport = evaluate(problem, best.plan), problem.teleport.value
     bound = 100.0 * min(best.bound, teleport) / teleport
-    return Outcome(100.0 * judged.value / teleport, bound, seconds, tuple(map(int, best.plan.actions[0])))
+    return Outcome(100.0 * judged.value / teleport, bound, seconds, cpu, tuple(map(int, best.plan.actions[0])))
+
+
+def _cpu_seconds(seconds: float) -> StopRule:
+    """Stop when this process, all its threads, has computed for so long: other work on the machine costs nothing."""
+    began = time.process_time()
+
+    def share(_: object) -> float:
+        return min((time.process_time() - began) / seconds, 1.0)
+
+    return StopRule(lambda progress: share(progress) >= 1.0, share)
 
 
 _loaded: set[tuple[str, bool, str]] = set()
@@ -139,26 +153,19 @@ def run_study(
 ) -> tuple[list[Reproduced], dict[Case, list[Outcome]]]:
     """Run every table of the study, and what the paper claims in its text.
 
-    Cases that end by themselves share the workers; those that plan against the clock, and the first seeds of every
-    case that has a table of times, run alone, one after the other.
+    The first seeds of every case that has a table of times are run again, alone, one after the other.
     """
     cases = list(dict.fromkeys(case for table in study["tables"] for _, _, case in _cells(study, table)))
-    shared = [Trial(case, seed, data) for case in cases if not _clocked(case) for seed in range(trials)]
-    alone = [Trial(case, seed, data) for case in cases if _clocked(case) for seed in range(min(trials, case.most))]
+    all_ = [Trial(case, seed, data) for case in cases for seed in range(min(trials * case.factor, case.most))]
     timed = [Trial(case, seed, data) for case in _with_times(study) for seed in range(min(trials, TIMED))]
-    outcomes = _together(shared, run_trials(run_trial, shared, workers, _saying(say, "trials")))
+    outcomes = _together(all_, run_trials(run_trial, all_, workers, _saying(say, "trials")))
     times = _together(timed, run_trials(run_trial, timed, 1, _saying(say, "timed trials, one at a time")))
-    outcomes |= _together(alone, run_trials(run_trial, alone, 1, _saying(say, "trials against the clock")))
     mark = Reproduced("", "", "", 0.0, 0.0, 0.0, 0, commit(), processor())
     rows = [row for table in study["tables"] for row in _table(study, table, outcomes, times, mark)]
     for table, row, column, value in claims({row.key: row.value for row in rows}, _spread(study, outcomes), data):
         n = 1 if table in WITHOUT_CHANCE else min(trials, TIMED) if "Speed" in table else trials
         rows.append(_row(mark, table, row, column, Estimate(value, value, value, n)))
     return rows, outcomes
-
-
-def _clocked(case: Case) -> bool:
-    return case.seconds is not None or "seconds" in json.loads(case.settings)
 
 
 def _together(trials: Sequence[Trial], outcomes: Sequence[Outcome]) -> dict[Case, list[Outcome]]:
@@ -192,9 +199,10 @@ def _cells(study: Mapping[str, Any], table: Mapping[str, Any]) -> Iterator[tuple
                 steps=0,
                 planner=planner,
                 make=chosen.pop("make"),
-                seconds=chosen.pop("plan_seconds", None),
+                seconds=chosen.pop("cpu_seconds", None),
                 proved=chosen.pop("proved", False),
                 most=chosen.pop("most_trials", 1_000_000),
+                factor=chosen.pop("seeds_factor", 1),
                 settings=json.dumps(chosen, sort_keys=True),
             )
             for steps in table["steps"]:
@@ -204,7 +212,7 @@ def _cells(study: Mapping[str, Any], table: Mapping[str, Any]) -> Iterator[tuple
 
 def _with_times(study: Mapping[str, Any]) -> list[Case]:
     tables = [table for table in study["tables"] if "times" in table]
-    return [case for case in dict.fromkeys(c for t in tables for _, _, c in _cells(study, t)) if not _clocked(case)]
+    return list(dict.fromkeys(case for table in tables for _, _, case in _cells(study, table)))
 
 
 def _table(

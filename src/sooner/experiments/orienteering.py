@@ -6,6 +6,7 @@ N. A. Wouda, L. Lan, W. Kool, "PyVRP: a high-performance VRP solver package", IN
 
 from __future__ import annotations
 
+import time
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -36,7 +37,7 @@ class Orienteering:
 
     Parameters
     ----------
-    seconds : float            for PyVRP's iterated local search
+    seconds : float            of this process's own time, for PyVRP's iterated local search
     per_step : float           cells modelled for each step of the budget; more only slow PyVRP down
     clients : int              largest number of cells modelled; 1,000 make a matrix of a million distances
     """
@@ -78,7 +79,6 @@ def _tour(problem: SearchProblem, cells: NDArray[np.int64], seconds: float, seed
     """Positions in `cells`, in the order in which PyVRP's vehicle visits them."""
     from pyvrp import Client, Depot, Location, ProblemData, VehicleType, solve
     from pyvrp.exceptions import PenaltyBoundWarning
-    from pyvrp.stop import MaxRuntime
 
     if cells.size == 0:
         return np.zeros(0, np.int64)
@@ -97,8 +97,14 @@ def _tour(problem: SearchProblem, cells: NDArray[np.int64], seconds: float, seed
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PenaltyBoundWarning)  # `fly` leaves out what does not fit
-        best = solve(data, MaxRuntime(seconds), seed=seed, collect_stats=False, display=False).best
+        best = solve(data, _out_of_time(seconds), seed=seed, collect_stats=False, display=False).best
     return np.array([visit for route in best.routes() for visit in _clients(route)], np.int64)
+
+
+def _out_of_time(seconds: float) -> Any:
+    """What PyVRP asks after every iteration: whether to stop."""
+    until = time.process_time() + seconds
+    return lambda _: time.process_time() >= until
 
 
 def _clients(route: Any) -> list[int]:

@@ -56,7 +56,10 @@ def run_trials(
         except BrokenProcessPool:
             continue
     if len(answers) < len(trials):
-        raise RuntimeError(f"workers died {attempts} times; {len(trials) - len(answers)} trials have no answer")
+        raise RuntimeError(
+            f"workers died {attempts} times; {len(trials) - len(answers)} trials have no answer "
+            "(out of memory? a script that starts workers also needs: if __name__ == '__main__')"
+        )
     return [answers[number] for number in range(len(trials))]
 
 
