@@ -15,7 +15,7 @@ from sooner.planners.hill_climb import Best, directions, random_state
 from sooner.planners.planner import single_cell_searcher
 from sooner.problem import Incumbent, Plan, SearchProblem
 
-__all__ = ["Greedy"]
+__all__ = ["Greedy", "first_flight"]
 
 NO_BOX = 0  # ties are broken at random straight away
 
@@ -37,3 +37,10 @@ class Greedy:
         begin = field.reach.start, field.reach.came_from, field.budget
         path, _ = field.ground().climb(field.reach.arrays, *begin, NO_BOX, state)
         yield Best(problem).take(Plan.of(path))
+
+
+def first_flight(problem: SearchProblem, rng: Generator) -> Plan:
+    """A legal plan at once: the start alone, or a greedy flight where it has to end somewhere."""
+    if problem.searcher.end is None:
+        return Plan.of([problem.grid.index(problem.searcher.start)])
+    return next(Greedy().plans(problem, rng)).plan

@@ -44,6 +44,33 @@ PLANNERS: dict[str, Entry] = {
         "The default: best plans at any planning time from a second upwards.",
         ("Lin2014",),
     ),
+    "topn": Entry(
+        "sooner.planners.topn:TopN",
+        "The paper's best: a third of a second, flies over the N best of k Gaussians, through all layers.",
+        ("Lin2014",),
+    ),
+    "topn-one-layer": Entry(
+        "sooner.planners.topn:TopN",
+        "TopN in one layer, k = 5 and N = 3, for comparison with the paper's tables.",
+        ("Lin2014",),
+        {"layers": ((5, 3),)},
+    ),
+    "top2": Entry(
+        "sooner.planners.top2:Top2",
+        "Two hills, and the best split of the time between them, through all layers.",
+        ("Lin2014",),
+    ),
+    "top2-one-layer": Entry(
+        "sooner.planners.top2:Top2",
+        "Top2 in one layer, k = 5, for comparison with the paper's tables.",
+        ("Lin2014",),
+        {"layers": (5,)},
+    ),
+    "lhc-gw-conv": Entry(
+        "sooner.planners.global_warming:GlobalWarming",
+        "Hill climbing with a rising ocean: good on maps with a few clear hills, a tenth of a second.",
+        ("Lin2009", "Lin2014"),
+    ),
     "greedy": Entry(
         "sooner.planners.greedy:Greedy",
         "A baseline: instant, one step ahead, stays on the hill where it starts.",

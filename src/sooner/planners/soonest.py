@@ -14,7 +14,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from sooner.errors import InfeasibleProblemError
-from sooner.planners.greedy import Greedy
+from sooner.planners.greedy import Greedy, first_flight
 from sooner.planners.planner import Part, Planner, Ticks
 from sooner.problem import Evaluation, Incumbent, Objective, Plan, SearchProblem, evaluate, joined, remainder
 
@@ -50,7 +50,9 @@ class Soonest:
     def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
         """Yield after every tick of every probe."""
         bracket = _Bracket.of(problem)
-        best, share, ticks, ended = Incumbent(Plan(()), -inf), 0.0, self.ticks, False
+        start = first_flight(_most(problem), rng)
+        best, share, ticks, ended = Incumbent(start, evaluate(problem, start).value), 0.0, self.ticks, False
+        yield best
         known: float | None = share
         while not bracket.closed and not (ended and bracket.exhausted):
             asked = _most(problem) if bracket.whole else _most(problem, bracket.horizon)
@@ -130,8 +132,8 @@ def _better(problem: SearchProblem, best: Incumbent, asked: SearchProblem, plan:
     score: Evaluation = evaluate(asked, plan)
     time = score.time_to(target)
     if time == inf and best.value == -inf:  # nothing has reached the target yet: keep what comes closest
-        first = not best.plan.actions or score.total > evaluate(problem, best.plan).total
-        return Incumbent(plan, -inf) if first and asked.searcher.budget == problem.searcher.budget else best
+        closer = score.total > evaluate(problem, best.plan).total
+        return Incumbent(plan, -inf) if closer and asked.searcher.budget == problem.searcher.budget else best
     if -time <= best.value:
         return best
     whole = plan

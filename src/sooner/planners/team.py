@@ -8,7 +8,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from sooner.planners.greedy import Greedy
+from sooner.planners.greedy import first_flight
 from sooner.planners.planner import Part, Planner, Ticks
 from sooner.problem import Incumbent, Plan, SearchProblem, evaluate
 
@@ -43,10 +43,10 @@ class Team:
 
     def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
         """Yield after every tick of the inner planner; until its turn a searcher only looks at its start."""
-        best = [_first_flight(_left_for(problem, number, []), rng) for number in range(len(problem.searchers))]
+        team = len(problem.searchers)
+        best = [first_flight(_left_for(problem, number, []), rng).actions[0] for number in range(team)]
         value = evaluate(problem, Plan(tuple(best))).value
         share: float | None = 0.0
-        team = len(best)
         turns = team * (1 + self.rounds)
         for turn in range(turns):
             number = turn % team
@@ -70,10 +70,3 @@ def _left_for(problem: SearchProblem, number: int, others: list[NDArray[np.int64
     for flight in others:
         np.add.at(looked, flight, 1)
     return replace(problem, gains=problem.gains.after(looked), searchers=(problem.searchers[number],))
-
-
-def _first_flight(problem: SearchProblem, rng: Generator) -> NDArray[np.int64]:
-    """The shortest legal plan: the start alone, or a greedy flight where it has to end somewhere."""
-    if problem.searcher.end is None:
-        return np.array([problem.grid.index(problem.searcher.start)])
-    return next(Greedy().plans(problem, rng)).plan.actions[0]

@@ -27,16 +27,18 @@ class Teleport:
     value : float             the best glimpses in all the time there is; no flight collects more
     curve : (n,) float        total after 1, 2, ..., n glimpses, best first
     delay : int               steps in which even the quickest searcher sees nothing
+    abreast : int             searchers, so glimpses at each step
     """
 
     value: float
     curve: NDArray[np.float64]
     delay: int
+    abreast: int = 1
 
     def time_to(self, target: float) -> float:
         """Steps after which teleporting reaches `target`; inf where it never does."""
         reached = self.curve >= target
-        return float(self.delay + int(np.argmax(reached))) if reached.any() else np.inf
+        return float(self.delay + int(np.argmax(reached)) // self.abreast) if reached.any() else np.inf
 
 
 def teleport(problem: SearchProblem) -> Teleport:
@@ -70,7 +72,7 @@ def teleport(problem: SearchProblem) -> Teleport:
         glimpses += max(searcher.budget + 1 - spare, 0)
         delays.append(delay)
     curve = np.cumsum(_best_glimpses(problem, reachable & pays, glimpses))
-    return Teleport(float(curve[-1]) if len(curve) else 0.0, curve, min(delays))
+    return Teleport(float(curve[-1]) if len(curve) else 0.0, curve, min(delays), len(problem.searchers))
 
 
 def _reach(grid: Grid, searcher: Searcher, pays: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], int, int]:
