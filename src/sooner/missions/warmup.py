@@ -19,14 +19,14 @@ from sooner.scenarios import bimodal
 
 __all__ = ["warm_up"]
 
-BOUNDS = 6  # more than it takes for every proof to have had its turn on a small map
+BOUNDS = 60  # more than it takes for every kernel of every proof to have had its turn on a small map
 
 
 def warm_up() -> Iterator[str]:
     """Yield the name of each planner, of the bounds and of the picture, once they are compiled and cached."""
     problems = _problems()
     for problem in problems:
-        for _ in islice(bounds(problem, lambda: 0.0), BOUNDS):
+        for _ in islice(bounds(problem, 0.5 * problem.teleport.value), BOUNDS):
             pass
     yield "bounds"
     for name, entry in PLANNERS.items():
