@@ -34,7 +34,11 @@ def measure(size: int, steps: int, seconds: float) -> None:
     each = 1e3 * (last.seconds - first.seconds) / max(last.ticks - first.ticks, 1)
     print(f"{size:5d} {steps:6d}  teleport {ready:6.2f} s", end="  ")
     print(f"first plan {first.seconds:6.2f} s {100 * first.value / reference:6.2f} %", end="  ")
-    print(f"after {last.seconds:6.1f} s {100 * last.value / reference:6.2f} %  {each:7.1f} ms a tick", end="  ", flush=True)
+    print(
+        f"after {last.seconds:6.1f} s {100 * last.value / reference:6.2f} %  {each:7.1f} ms a tick",
+        end="  ",
+        flush=True,
+    )
     began, marks = time.perf_counter(), []
     for found in bounds(problem, lambda: last.value):
         marks.append((time.perf_counter() - began, 100 * found.value / reference))

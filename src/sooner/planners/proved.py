@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -23,19 +24,23 @@ Prover = Callable[[SearchProblem, Callable[[], float]], Iterator[Bound]]
 class Proved:
     """Run `inner` on this thread and `prover` on another; yield the best plan with the tightest bound so far.
 
-    The proof never changes the plan: it is told the value of the best one, and tells back what none can exceed. When
-    the planner has finished, the proof may go on for `linger` seconds, or until the stop rule says so.
+    The proof never changes the plan: it is told the value of the best one, and tells back what none can exceed. On
+    two processors it waits after its first bound, so that the planner has both of them while it looks for the right
+    hills; a good plan also makes the proof quicker. When the planner has finished, the proof may go on for `linger`
+    seconds, or until the stop rule says so.
 
     Parameters
     ----------
     inner : Planner
     prover : callable        (problem, best value so far) to bounds, each no larger than the last
     linger : float           seconds
+    waits : float            share of the run after which the proof goes on from its first bound
     """
 
     inner: Planner
     prover: Prover = bounds
     linger: float = 2.0
+    waits: float = 0.6 if (os.cpu_count() or 1) <= 2 else 0.0
 
     def handles(self, problem: SearchProblem) -> str | None:
         """What the inner planner handles."""
@@ -52,6 +57,9 @@ class Proved:
                 best = incumbent
                 proof.value = best.value
                 share = yield proof.attached(best)
+                if share is None or share >= self.waits:
+                    proof.go_on()
+            proof.go_on()
             until = time.monotonic() + self.linger
             while best is not None and proof.running and time.monotonic() < until:
                 proof.wait(0.1)
@@ -68,7 +76,7 @@ class _Proof:
     def __init__(self, problem: SearchProblem, prover: Prover) -> None:
         self.value = -inf
         self.bound: Bound | None = None
-        self._stopped = threading.Event()
+        self._stopped, self._going_on = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, args=(problem, prover), name="proof", daemon=True)
         self._error: BaseException | None = None
         self._thread.start()
@@ -80,9 +88,14 @@ class _Proof:
     def wait(self, seconds: float) -> None:
         self._thread.join(seconds)
 
+    def go_on(self) -> None:
+        """Let it go on after its first bound."""
+        self._going_on.set()
+
     def stop(self) -> None:
         """Ask it to stop, and wait for the end of its present step."""
         self._stopped.set()
+        self._going_on.set()
         self._thread.join()
 
     def attached(self, incumbent: Incumbent) -> Incumbent:
@@ -99,6 +112,7 @@ class _Proof:
             for found in prover(problem, lambda: self.value):
                 if self.bound is None or found.value < self.bound.value:
                     self.bound = found
+                self._going_on.wait()
                 if self._stopped.is_set():
                     return
         except BaseException as error:  # carried over to the planner's thread
