@@ -60,7 +60,7 @@ def reproduce(
     data_dir : Path or None     folder of the real maps; None takes SOONER_DATA
     trials : int or None        seeds 0, 1, ... of each case; None takes the study's number
     workers : int or None       processes for the cases that are not timed; None takes one for each core
-    out_dir : Path or None      where to write; None takes the study's own folder
+    out_dir : Path or None      where to write; None takes the study's own folder in a checkout, else ./<paper>
     only : sequence of str      names of the tables to run, * and ? allowed; other rows of an earlier run are kept
     figures : bool              draw the paper's figures as well, where the tables they are made from were run
 
@@ -77,7 +77,8 @@ def reproduce(
     from sooner.experiments import lin2014  # the only study so far; each will have a module of its own
 
     data = find_data(data_dir, study["data"], study["data_example"])
-    out = writable_folder(folder if out_dir is None else out_dir)
+    own = folder if folder.parent.parent.name == "benchmarks" else Path(paper)
+    out = writable_folder(own if out_dir is None else out_dir)
     chosen = [table for table in study["tables"] if any(fnmatchcase(table["name"], name) for name in only)]
     ran, outcomes = lin2014.run_study({**study, "tables": chosen}, data, count, workers or os.cpu_count() or 1, say)
     rows = _merged(out, ran) if len(chosen) < len(study["tables"]) else ran
