@@ -198,6 +198,8 @@ def started(mission):
         stdout=subprocess.PIPE,
         text=True,
         env=os.environ | {"SOONER_TRACEBACK": ""},
+        # a job in the background ignores Ctrl-C and hands that on to its children: undo it for this one
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     for line in running.stderr:
         if "found" in line:
