@@ -145,7 +145,7 @@ printed = ["BA"]
 [instances]
 "upper left" = { map = "synthetic60", start = [0, 0] }
 [planners]
-BA = { make = "sooner.experiments.bourgault:Bourgault" }
+BA = { make = "sooner.planners.bourgault:Bourgault" }
 [[tables]]
 name = "Table IV"
 times = "Table IV Speed"

@@ -1,7 +1,7 @@
 """Every planner on every small problem that it handles."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 
 from sooner.planners.receding import Receding
 from sooner.planners.registry import PLANNERS, make_planner
@@ -18,7 +18,9 @@ relaxed = settings(max_examples=40)
 @relaxed
 @given(problem=problems())
 def test_every_planner_keeps_the_contract(name: str, problem: SearchProblem) -> None:
-    check_contract(problem, make_planner(name))
+    planner = make_planner(name)
+    assume(planner.handles(problem) is None)
+    check_contract(problem, planner)
 
 
 @relaxed

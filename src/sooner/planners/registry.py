@@ -71,6 +71,11 @@ PLANNERS: dict[str, Entry] = {
         "Hill climbing with a rising ocean: good on maps with a few clear hills, a tenth of a second.",
         ("Lin2009", "Lin2014"),
     ),
+    "bourgault": Entry(
+        "sooner.planners.bourgault:Bourgault",
+        "BA by the rule that fits the paper's tables; for comparison, on open square grids.",
+        ("Bourgault2006", "Lin2014"),
+    ),
     "greedy": Entry(
         "sooner.planners.greedy:Greedy",
         "A baseline: instant, one step ahead, stays on the hill where it starts.",

@@ -44,14 +44,17 @@ class Bourgault:
         reach = Reach(problem.grid, problem.searcher)
         reach.check()
         posterior, miss = poc(problem.gains), problem.gains.ratio
-        path = [reach.start]
+        path, came_from = [reach.start], reach.came_from
         posterior[reach.start] *= miss[reach.start]
         for steps_left in range(problem.searcher.budget - 1, -1, -1):
             here = path[-1]
             north, east, south, west = (int(cell) for cell in problem.grid.neighbours[here])
-            ways = [n for n in (north, west, east, south) if n >= 0 and reach.can_go_on(n, here, steps_left)]
+            barred = came_from if reach.fixed_wing else -1
+            around = [cell for cell in (north, west, east, south) if cell >= 0 and cell != barred]
+            ways = [cell for cell in around if reach.can_go_on(cell, here, steps_left)]
             path.append(max(ways or [here], key=lambda cell: posterior[cell]))  # max keeps the first of equals
             posterior[path[-1]] *= miss[path[-1]]
+            came_from = here
         plan = Plan.of(path)
         yield Incumbent(plan, evaluate(problem, plan).value)
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from sooner.belief import Belief
-from sooner.experiments.bourgault import Bourgault
 from sooner.grid import Grid
 from sooner.planners import solve
+from sooner.planners.bourgault import Bourgault
 from sooner.problem import Searcher, SearchProblem, detection_gains
 
 PRINTED = [
