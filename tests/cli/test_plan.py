@@ -236,3 +236,30 @@ def test_an_interruption_before_the_first_plan_writes_nothing(sooner, mission, m
     ended = plan(sooner, mission)
     assert ended.status == 130
     assert not (mission.parent / "mission-plan").exists()
+
+
+def test_a_target_out_of_reach_is_said_and_the_closest_flight_written(sooner, mission):
+    mission.write_text(mission.read_text() + "\n[objective]\ndetection_target = 0.99\n")
+    ended = plan(sooner, mission)
+    assert ended.status == 0
+    assert "cannot be reached in this time" in ended.out
+    lines = (mission.parent / "mission-plan" / "plan.csv").read_text().splitlines()
+    assert len(lines) > 10
+
+
+def test_a_target_above_what_is_on_the_map_is_refused(sooner, mission):
+    text = mission.read_text()
+    mission.write_text(text.replace("[area]", "[area]\noutside = 0.2") + "\n[objective]\ndetection_target = 0.9\n")
+    ended = plan(sooner, mission)
+    assert ended.status == 2
+    assert "objective.detection_target" in ended.err
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_a_full_disk_behind_the_output_is_not_our_fault():
+    with Path("/dev/full").open("w") as full:
+        told = subprocess.run(
+            [sys.executable, "-m", "sooner", "planners"], stdout=full, stderr=subprocess.PIPE, check=False
+        )
+    assert told.returncode == 2
+    assert b"cannot be written" in told.stderr

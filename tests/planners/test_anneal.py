@@ -6,6 +6,7 @@ from hypothesis import given, settings
 
 from sooner.grid import Grid
 from sooner.planners import _anneal_kernels as kernels
+from sooner.planners import anneal as anneal_module
 from sooner.planners import max_ticks, never, solve
 from sooner.planners.anneal import Anneal, _coarse_walk, _Ground, _Walk
 from sooner.planners.planner import follow
@@ -231,3 +232,28 @@ def test_reach_finds_the_dead_ends_that_keep_a_walk_at_full_length() -> None:
     assert not _Ground(open_map).strict
     assert _Ground(corridor).strict
     assert Reach(corridor.grid, corridor.searcher).can_go_on(0, -1, 4)
+
+
+def test_a_long_run_on_a_short_flight_is_cut_into_rounds():
+    """One slow cooling may freeze in the wrong place; so a run is as many rounds as fit, all of the same length."""
+    rounds, begun = anneal_module._Rounds(longest=400), 0
+    share, lengths = 0.0, []
+    while share < 1.0:
+        rounds, begun = rounds.begun(share), begun + 1
+        start = share
+        while share < 1.0 and rounds.now(share) < 1.0:
+            rounds.tick += 1
+            share += 1 / 2000
+        lengths.append(share - start)
+    assert begun == 5
+    assert lengths == pytest.approx([0.2] * 5, abs=0.01)
+
+
+def test_where_nobody_knows_how_long_it_lasts_each_round_is_twice_as_long():
+    rounds, ticks = anneal_module._Rounds(longest=400), []
+    for _ in range(3):
+        rounds = rounds.begun(None)
+        while rounds.now(None) < 1.0:
+            rounds.tick += 1
+        ticks.append(rounds.tick)
+    assert ticks == [64, 128, 256]

@@ -28,7 +28,9 @@ MissionFile = Annotated[Path, typer.Argument(metavar="MISSION.toml", help="The m
 Json = Annotated[bool, typer.Option("--json", help="Print exactly one JSON object.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace files even where sooner did not write them.")]
-Seed = Annotated[int, typer.Option(help="Of the random numbers; the same seed gives the same.", min=0)]
+Seed = Annotated[
+    int, typer.Option(help="Of the random numbers; how far a run gets in its time still depends on the machine.", min=0)
+]
 Workers = Annotated[int | None, typer.Option(help="Processes that work at once.", min=1)]
 
 

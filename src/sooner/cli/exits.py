@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import sys
@@ -16,6 +17,7 @@ from sooner.errors import DataFormatError, SoonerError
 
 __all__ = ["BAD_INPUT", "DONE", "INTERRUPTED", "OUR_FAULT", "ending", "say", "uninterrupted"]
 
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -28,7 +30,9 @@ def ending(work: Callable[[], int]) -> int:
     """Do the work and answer with the exit status; nothing that goes wrong shows a traceback."""
     with _terminated_as_interrupted():
         try:
-            return work()
+            status = work()
+            sys.stdout.flush()  # a full disk shows itself here, while somebody can still be told
+            return status
         except DataFormatError as error:
             for fault in error.faults:
                 say(f"sooner: {fault}")
@@ -40,10 +44,21 @@ def ending(work: Callable[[], int]) -> int:
             say("sooner: interrupted; nothing was written")
             return INTERRUPTED
         except BrokenPipeError:  # whoever read our output has had enough
-            sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115
+            _drop_output()
             return DONE
+        except OSError as error:
+            if error.errno not in NO_ROOM:
+                return _our_fault(error)
+            _drop_output()
+            say(f"sooner: the output cannot be written: {error.strerror}; expected room for it")
+            return BAD_INPUT
         except Exception as error:
             return _our_fault(error)
+
+
+def _drop_output() -> None:
+    """What is left in the buffer goes nowhere, so that ending does not fail on it once more."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _our_fault(error: Exception) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 
 __all__ = ["main", "run"]
@@ -9,7 +10,9 @@ __all__ = ["main", "run"]
 
 def main() -> None:
     """Run what the command line asks for, and end with its status."""
-    sys.exit(run(sys.argv[1:]))
+    status = run(sys.argv[1:])
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done and said: it is too late to interrupt
+    sys.exit(status)
 
 
 def run(arguments: list[str]) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -50,17 +51,27 @@ def plan(
     return DONE
 
 
+def _reached(mission: Mission, planned: Planned, target: float) -> str:
+    """When the target is reached, or that it is not, and whether any flight could."""
+    time, best = planned.score.evaluation.time_to(target), planned.solution.best
+    if isfinite(time):
+        return f"{target:.3g} is reached after             {steps(mission, time)}"
+    if best.bound == -inf:
+        return f"{target:.3g} cannot be reached in this time   (proof: {best.bound_proof}); this flight comes closest"
+    return f"{target:.3g} is not reached; this flight comes closest"
+
+
 def _tell(mission: Mission, planned: Planned, result: dict[str, Any], folder: Folder) -> None:
     score, best = planned.score, planned.solution.best
     target = mission.problem.objective.target
     print(f"{mission.name}: a flight of {steps(mission, max(result['steps']))}, planned by {planned.planner}")
     print(f"  finds the person with probability   {percent(score.evaluation.total)}")
     if target is not None:
-        print(f"  {target:.0%} are reached after             {steps(mission, score.evaluation.time_to(target))}")
+        print(f"  {_reached(mission, planned, target)}")
     if result["bound"] is not None and target is None:
         print(f"  no flight can pass                  {percent(best.bound)}   (proof: {best.bound_proof})")
         print(f"  so it is at most                    {percent(best.gap)}   short of the best there is")
-    elif result["bound"] is not None:
+    elif result["bound"] is not None and best.value > -inf:
         print(f"  no flight gets there before         {steps(mission, -best.bound)}   (proof: {best.bound_proof})")
     if result["efficiency"] is not None:
         print(f"  efficiency against teleporting      {percent(result['efficiency'])}")

@@ -12,7 +12,7 @@ import hashlib
 import json
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -55,6 +55,10 @@ class Folder:
                 pass
         except OSError as error:
             raise _refusal(self.path, f"{there} cannot be written to ({error.strerror or error})") from None
+        with _alone_in(there):
+            self._check(names)
+
+    def _check(self, names: Iterable[str]) -> None:
         ledger = self._ledger()
         faults = [fault for name in names if (fault := self._fault(name, ledger)) is not None]
         if faults:
@@ -68,9 +72,17 @@ class Folder:
         DataFormatError        where a file must not be replaced, or the disk refuses
         """
         self.check(*files)
-        written: dict[str, Path] = {}
         try:
             self.path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise _refusal(self.path, f"writing failed ({error.strerror or error})") from None
+        with _alone_in(self.path):
+            self._write(files)
+
+    def _write(self, files: Mapping[str, bytes]) -> None:
+        self._check(files)
+        written: dict[str, Path] = {}
+        try:
             self._sweep()
             for name, content in files.items():
                 written[name] = self._beside(name, content)
@@ -135,6 +147,23 @@ class Folder:
                 os.fsync(handle)
             finally:
                 os.close(handle)
+
+
+@contextlib.contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """While this lasts, another sooner that writes into the folder waits (where the system has such locks)."""
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        with contextlib.suppress(OSError):  # some network drives have no locks
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def _refusal(path: Path, came: str) -> DataFormatError:

@@ -74,6 +74,7 @@ def read_mission(path: Path) -> Mission:
     belief = reading.belief(settings, layers)
     glimpse = reading.glimpse(settings, layers)
     searchers = reading.searchers(settings, grid, step_s)
+    reading.target(settings)
     if reading.faults or grid is None or belief is None or glimpse is None:
         raise DataFormatError(*reading.faults)
     gains = detection_gains(belief, glimpse, settings.sensor.correlation)
@@ -295,6 +296,13 @@ class _Reading:
         # the longest step of the grid, so that no flight takes longer than it says
         longest = cell_m * (2.0**0.5 if settings.area.grid == "square8" else 1.0)
         return [longest / speed for speed in speeds if speed is not None]
+
+    def target(self, settings: Settings) -> None:
+        """A CDP that no search of this map can have."""
+        target, on_map = settings.objective.detection_target, 1.0 - settings.area.outside
+        if target is not None and target > on_map:
+            came = f"{target} came, but the person is on this map with probability {on_map:.4g}"
+            self.fault("objective.detection_target", came, f"expected at most {on_map:.4g}")
 
     def searchers(self, settings: Settings, grid: Grid | None, step_s: list[float] | None) -> list[Searcher | None]:
         return [

@@ -122,8 +122,8 @@ def plan_mission(
     UnsupportedProblemError    where the planner is not made for this mission, or there is no such planner
     """
     if not (np.isfinite(seconds) and seconds > 0):
-        raise InvalidProblemError(f"a planning time of {seconds} s came; expected a number above 0")
-    name = planner or DEFAULT
+        raise InvalidProblemError(f"a planning time of {seconds} s came; expected a finite number above 0")
+    name = DEFAULT if planner is None else planner
     chosen = _choose(mission.problem, name)
     try:
         solution = solve(mission.problem, chosen, stop=max_seconds(seconds), seed=seed, on_tick=on_tick)

@@ -15,7 +15,7 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Metres = Annotated[float, Field(ge=0.001, le=1_000_000, allow_inf_nan=False)]
 Speed = Annotated[float, Field(ge=0.001, le=1_000, allow_inf_nan=False)]
 
-MAX_STEPS = 1_000_000
+MAX_STEPS = 200_000
 
 
 class _Table(BaseModel):
@@ -36,7 +36,9 @@ class Area(_Table):
     poc: str | None = Field(
         default=None, description="raster of weights, at least 0; normalised; row 0 is north (required)"
     )
-    outside: float = Field(default=0.0, ge=0, lt=1, description="probability that the person is not on this map")
+    outside: float = Field(
+        default=0.0, ge=0, lt=1, strict=True, description="probability that the person is not on this map"
+    )
     evidence: str | None = Field(
         default=None, description="instead of `poc`: independent probability per cell (not yet)"
     )
@@ -45,7 +47,8 @@ class Area(_Table):
     )
     obstacles: str | None = Field(default=None, description="raster; non-zero cells cannot be entered")
     grid: Literal["square4", "square8", "hex"] = Field(
-        default="square4", description="neighbours of a cell: 4, 8, or the 6 of hexagons (odd rows half a cell east)"
+        default="square4",
+        description="neighbours of a cell: 4, 8 (none past an obstacle's corner), or 6 (odd rows half a cell east)",
     )
 
 
@@ -83,7 +86,9 @@ class Searching(_Table):
     kind: Literal["copter", "fixed_wing"] = Field(
         default="copter", description="a copter may hover; a fixed wing neither hovers nor turns straight back"
     )
-    speed_mps: Speed | None = Field(default=None, description="metres a second; turns steps into seconds")
+    speed_mps: Speed | None = Field(
+        default=None, description="metres a second, the same for all; turns steps into seconds"
+    )
     accel_mps2: Positive | None = Field(default=None, description="metres a second squared (not yet)")
 
 

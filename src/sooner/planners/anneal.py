@@ -35,6 +35,7 @@ FILL = -1e3  # price of a step where the walk must have all the steps of the bud
 FILL_MOVES = 30  # for each step, to fill the first walk up
 FOREVER = 2**31 - 1  # in `Reach`: a fixed wing that is never stuck
 FIRST_ROUND = 64  # ticks of the first round where the stop rule has no horizon
+PACED = 8, 40  # between these ticks a round sees what part of the run a tick takes; starts are made before
 SHORT_TICK = 200  # moves of a tick on the smallest of problems; more with the square of the budget
 ROUTE_MOVES = 200  # for each piece, of one answer to the coarse question; of at most a thousand pieces
 SPARE_NODES = 8  # rows beyond the budget, in use in the middle of a move
@@ -58,6 +59,7 @@ class Anneal:
     mix : (5,) floats          shares of the moves: rewrite a window, a pair of windows, a long shortcut, the tail;
                                reconnect (2-opt)
     moves : int                moves of each thread between two yields, at most
+    patience : int             moves for each step of the flight after which a run starts again from new walks
     threads : int              walks annealed at the same time; a plan depends on their number, never on their speed
     seeds : planners           whose first plans are starts as well
     """
@@ -71,6 +73,7 @@ class Anneal:
     greed: float = 0.05
     mix: tuple[float, float, float, float, float] = (0.66, 0.22, 0.01, 0.015, 0.095)
     moves: int = 80_000
+    patience: int = 40_000
     threads: int = 2
     seeds: tuple[Planner, ...] = field(default=())
 
@@ -87,19 +90,26 @@ class Anneal:
         share = yield best.incumbent
         if problem.teleport.value == 0.0:  # nothing can be found from here, so every plan is best
             return
-        ticks = FIRST_ROUND
+        rounds = _Rounds(self._longest_round(ground))
         with ThreadPoolExecutor(self.threads) as pool:
-            while True:  # a round keeps the stop rule's time, or, where there is none, its own, twice as long each time
+            while True:
                 walks: list[_Walk] = []
-                tick = 0
-                while (now := tick / ticks if share is None or share >= 1.0 else share) < 1.0:
+                rounds = rounds.begun(share)
+                while (now := rounds.now(share)) < 1.0:
                     self._start(walks, ground, best, now, rng, pool)
                     self._halve(walks, best, now)
                     self._anneal(walks, now, pool)
                     best.offer(max(walks, key=lambda walk: walk.rank).flown())
                     share = yield best.incumbent
-                    tick += 1
-                ticks *= 2
+                    rounds.tick += 1
+
+    def _longest_round(self, ground: _Ground) -> int:
+        """Ticks after which longer cooling pays less than starting again."""
+        return max(FIRST_ROUND, self.patience * ground.limit // (self._moves(ground) * self.threads))
+
+    def _moves(self, ground: _Ground) -> int:
+        """Moves of each thread in one tick; fewer for short flights."""
+        return min(self.moves, SHORT_TICK + ground.limit**2)
 
     def _given(self, ground: _Ground, rng: Generator) -> Iterator[Walk | None]:
         """First plans: of other planners, and one from the coarse question; legal ones, whatever the aircraft."""
@@ -143,7 +153,7 @@ class Anneal:
         polish = now >= 1.0 - self.polish
         temperature = POLISH if polish else self.hot * (self.cold / self.hot) ** now
         price = 0.0 if polish else self.prices[0] + (self.prices[1] - self.prices[0]) * now
-        moves = min(self.moves, SHORT_TICK + walks[0].ground.limit ** 2)
+        moves = self._moves(walks[0].ground)
 
         def run(own: list[_Walk]) -> None:
             for walk in own:
@@ -155,6 +165,32 @@ class Anneal:
 
 def _first_plan(planner: Planner, problem: SearchProblem, rng: Generator) -> Walk:
     return next(iter(planner.plans(problem, rng))).plan.actions[0].astype(np.int32)
+
+
+class _Rounds:
+    """When a round of annealing begins and ends: in equal parts of the run, none much longer than `longest` ticks;
+    where nobody knows how long the run is, twice as long each time.
+    """
+
+    def __init__(self, longest: int, ticks: int = FIRST_ROUND, begin: float | None = None) -> None:
+        self.longest, self.ticks, self.begin = longest, ticks, begin
+        self.tick, self.width, self.mark = 0, 0.0, 0.0
+
+    def begun(self, share: float | None) -> _Rounds:
+        """The next round, at this share of the run."""
+        known = share is not None and share < 1.0
+        return _Rounds(self.longest, self.ticks if known or not self.tick else 2 * self.ticks, share if known else None)
+
+    def now(self, share: float | None) -> float:
+        """How much of the round is over, in [0, 1]."""
+        if self.begin is None or share is None:
+            return self.tick / self.ticks
+        if self.tick == PACED[0]:
+            self.mark = share
+        elif self.tick == PACED[1] and share > self.mark:  # by now we know what part of the run one tick takes
+            parts = (1.0 - self.begin) * (PACED[1] - PACED[0]) / (share - self.mark) / self.longest
+            self.width = (1.0 - self.begin) / max(round(parts), 1)
+        return (share - self.begin) / (self.width or 1.0 - self.begin)
 
 
 class _Best:

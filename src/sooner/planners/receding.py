@@ -11,6 +11,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from sooner.errors import InvalidProblemError
 from sooner.planners.planner import Part, Planner, Ticks
 from sooner.problem import (
     Gains,
@@ -45,6 +46,10 @@ class Receding:
     inner: Planner
     every: int = 60
     ticks: int = 20
+
+    def __post_init__(self) -> None:
+        if self.every < 1 or self.ticks < 1:
+            raise InvalidProblemError(f"every {self.every} steps, {self.ticks} ticks came; expected at least 1 of each")
 
     def handles(self, problem: SearchProblem) -> str | None:
         """What the inner planner handles, with or without drift."""

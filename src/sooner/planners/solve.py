@@ -6,9 +6,11 @@ import time
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
+from math import isfinite
 
 import numpy as np
 
+from sooner.errors import InvalidProblemError
 from sooner.planners.planner import Planner, follow, refuse_unhandled
 from sooner.planners.stop import Progress, StopRule, never
 from sooner.problem import Incumbent, SearchProblem
@@ -79,6 +81,8 @@ def solve(
     (1.0, 'finished')
     """
     refuse_unhandled(problem, planner)
+    if seed < 0:
+        raise InvalidProblemError(f"seed {seed} came; expected a whole number of at least 0")
     rule = stop or never()
     ticks = planner.plans(problem, np.random.default_rng(seed))
     run = _Run(time.perf_counter())
@@ -132,7 +136,7 @@ def _drive(ticks: Iterator[Incumbent], rule: StopRule, run: _Run, on_tick: Calla
         progress = run.take(incumbent)
         if on_tick is not None:
             on_tick(progress)
-        if progress.bound <= progress.value:
+        if progress.bound <= progress.value and isfinite(progress.value):
             return Status.PROVED
         if rule.met(progress):
             if run.trace[-1] != progress:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from sooner.errors import InvalidProblemError
 from sooner.problem.incumbent import gap
 
 __all__ = ["Progress", "StopRule", "gap_below", "max_seconds", "max_ticks", "never", "value_reached"]
@@ -57,11 +58,15 @@ class StopRule:
 
 def max_seconds(seconds: float) -> StopRule:
     """Stop when `seconds` of wall-clock time have gone."""
+    if not seconds >= 0:
+        raise InvalidProblemError(f"{seconds} s came; expected a number of at least 0")
     return StopRule(lambda p: p.seconds >= seconds, lambda p: min(p.seconds / seconds, 1.0) if seconds > 0 else 1.0)
 
 
 def max_ticks(ticks: int) -> StopRule:
     """Stop after `ticks` yields of the planner: the same seed then gives the same plan on any machine."""
+    if ticks < 1:
+        raise InvalidProblemError(f"{ticks} ticks came; expected at least 1")
     return StopRule(lambda p: p.ticks >= ticks, lambda p: min(p.ticks / ticks, 1.0) if ticks > 0 else 1.0)
 
 

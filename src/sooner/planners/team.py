@@ -8,6 +8,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from sooner.errors import InvalidProblemError
 from sooner.planners.greedy import first_flight
 from sooner.planners.planner import Part, Planner, Ticks
 from sooner.problem import Incumbent, Plan, SearchProblem, evaluate
@@ -33,6 +34,10 @@ class Team:
     inner: Planner
     rounds: int = 2
     ticks: int = 20
+
+    def __post_init__(self) -> None:
+        if self.rounds < 0 or self.ticks < 1:
+            raise InvalidProblemError(f"{self.rounds} rounds, {self.ticks} ticks came; expected at least 0 and 1")
 
     def handles(self, problem: SearchProblem) -> str | None:
         """What the inner planner handles for every single searcher."""

@@ -120,7 +120,7 @@ def evaluate(problem: SearchProblem, plan: Plan) -> Evaluation:
         _, gained = filtered(problem.drift, items, times.astype(np.int64), until=0)
     cdp = np.cumsum(gained)
     if problem.objective.kind == "detection":
-        cdp = np.minimum(cdp, 1.0)  # rounding alone can pass one
+        cdp = np.where((cdp > 1.0) & (cdp < 1.0 + 1e-9), 1.0, cdp)  # rounding alone can take a probability past one
     last = np.flatnonzero(np.append(times[1:] > times[:-1], True))
     return Evaluation(problem, times[last], cdp[last], np.bincount(items, minlength=problem.gains.n_cells))
 

@@ -128,6 +128,8 @@ def detection_gains(
     g = np.ravel(np.broadcast_to(g, belief.shape))
     if correlation == 0.0:
         return Gains.independent(belief.poc, g)
+    if looks < 2:
+        raise InvalidProblemError(f"a table of {looks} looks came; correlated looks need at least 2")
     shares = -np.diff(miss_after_looks(g, looks, correlation), axis=1)  # (N, looks)
     shares = np.minimum.accumulate(np.maximum(shares, 0.0), axis=1)  # rounding must not make a later look pay more
     before, last = shares[:, -2], shares[:, -1]

@@ -93,7 +93,7 @@ class CellMoves:
         if illegal.any():
             step = int(np.argmax(illegal))
             here, there = _at(grid, actions[step]), _at(grid, actions[step + 1])
-            why = "an obstacle stands there" if not grid.passable[actions[step + 1]] else "they are not neighbours"
+            why = _why_not_adjacent(grid, int(actions[step]), int(actions[step + 1]))
             return f"step {step + 1} goes from {here} to {there}: {why}"
         if self.kind == "copter":
             return None
@@ -112,6 +112,15 @@ class CellMoves:
     def looks(self, grid: Grid, searcher: Searcher, actions: NDArray[np.int64]) -> Looks:
         """One look at every cell of the sequence, one step apart."""
         return Looks(actions, np.arange(len(actions), dtype=np.float64))
+
+
+def _why_not_adjacent(grid: Grid, here: int, there: int) -> str:
+    if not grid.passable[there]:
+        return "an obstacle stands there"
+    (row, col), (other_row, other_col) = grid.cell(here), grid.cell(there)
+    if grid.connectivity == "square8" and abs(row - other_row) == 1 and abs(col - other_col) == 1:
+        return "that cuts the corner of an obstacle"
+    return "they are not neighbours"
 
 
 def _at(grid: Grid, index: int | np.integer) -> str:

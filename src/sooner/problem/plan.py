@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sooner.errors import InvalidProblemError
+
 __all__ = ["Plan"]
 
 
@@ -34,7 +36,10 @@ class Plan:
     def __post_init__(self) -> None:
         frozen = []
         for actions in self.actions:
-            copy = np.array(actions, np.int64)
+            given = np.asarray(actions)
+            if given.size and given.dtype.kind not in "iu":
+                raise InvalidProblemError(f"actions of type {given.dtype} came; expected whole numbers")
+            copy = np.array(given, np.int64)
             copy.setflags(write=False)
             frozen.append(copy)
         object.__setattr__(self, "actions", tuple(frozen))
@@ -42,7 +47,7 @@ class Plan:
     @classmethod
     def of(cls, *actions: ArrayLike | Sequence[int]) -> Plan:
         """A plan from one sequence of actions per searcher."""
-        return cls(tuple(np.asarray(a, np.int64) for a in actions))
+        return cls(tuple(np.asarray(a) for a in actions))
 
     def __eq__(self, other: Any) -> bool:
         if not isinstance(other, Plan):

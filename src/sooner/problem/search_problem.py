@@ -144,6 +144,9 @@ class SearchProblem:
 
 
 def _check_searcher(grid: Grid, searcher: Searcher) -> None:
+    whole = (*searcher.start, *(searcher.end or ()), *(searcher.came_from or ()), searcher.budget)
+    if not all(isinstance(number, int | np.integer) for number in whole):
+        raise InvalidProblemError(f"cells and steps of {searcher} came; expected whole numbers")
     start = grid.index(searcher.start)
     if not grid.passable[start]:
         raise InvalidProblemError(f"start {list(searcher.start)} came; an obstacle stands there")
