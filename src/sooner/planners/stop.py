@@ -71,7 +71,7 @@ def max_ticks(ticks: int) -> StopRule:
 
 
 def gap_below(share: float) -> StopRule:
-    """Stop when (bound - value) / |bound| is proved to be at most `share`."""
+    """Stop when (bound - value) / |bound| is proved to be at most `share`; wrap the planner in `Proved` for a proof."""
     return StopRule(lambda p: gap(p.value, p.bound) <= share, lambda p: None)
 
 
