@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import sooner
-from sooner.errors import DataFormatError, Fault, InfeasibleProblemError, InvalidProblemError, SoonerError
+from sooner.errors import DataFormatError, Fault, InfeasibleProblemError, InvalidProblemError
 from sooner.io import Folder, plan_csv
 from sooner.missions.mission_file import Mission
 from sooner.missions.score import Score, finite, objective_name, score_plan, step_of
@@ -25,10 +25,6 @@ from sooner.problem import SearchProblem
 __all__ = ["FILES", "Planned", "plan_mission"]
 
 FILES = ("plan.csv", "plan.json", "plan.png")
-
-
-class NoPlanYetError(SoonerError):
-    """The planning time was too short for even a first plan."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,8 +127,6 @@ def plan_mission(
         raise DataFormatError(
             Fault(str(mission.path), "searcher", str(error), "expected a flight that can be flown")
         ) from None
-    if not solution.best.plan.actions:
-        raise NoPlanYetError(f"{name} found no plan in {solution.seconds:.1f} s; give it more --seconds")
     return Planned(score_plan(mission, solution.best.plan), solution, name)
 
 
