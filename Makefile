@@ -30,7 +30,7 @@ check: setup
 
 test: check
 	$(BIN)/python -m pytest -n 2 --durations=15 --doctest-modules src tests
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 -q tests/grid tests/problem tests/bounds tests/planners
+	env -u SOONER_DATA NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 -q tests/grid tests/problem tests/bounds tests/planners
 
 lock:
 	$(BIN)/python -m pip install --quiet uv
