@@ -15,25 +15,16 @@ from pathlib import Path
 
 import numpy as np
 
-from sooner.belief import Belief
-from sooner.grid import Grid
+from sooner.experiments.lin2014_maps import posed
 from sooner.planners import max_seconds, solve
 from sooner.planners.anneal import Anneal
 from sooner.planners.proved import Proved
 from sooner.planners.soonest import Soonest
-from sooner.problem import Objective, Searcher, SearchProblem, detection_gains, evaluate
-from sooner.sensors import glimpse_from_difficulty
+from sooner.problem import Objective, evaluate
 
 MAPS = ("hikerpaul", "newyork53", "newyork108")
 SHARES = (0.25, 0.5, 0.75)
 STEPS = 900
-
-
-def real_map(data: Path, name: str) -> SearchProblem:
-    """A map of the paper, searched from its middle."""
-    belief = Belief.from_weights(np.loadtxt(data / "wisar" / f"{name}_dist.csv", delimiter=","))
-    glimpse = glimpse_from_difficulty(np.loadtxt(data / "wisar" / f"{name}_diff.csv", delimiter=","))
-    return SearchProblem(Grid(belief.shape), detection_gains(belief, glimpse), (Searcher((50, 50), STEPS),))
 
 
 def main() -> None:
@@ -46,7 +37,7 @@ def main() -> None:
         parser.error("give --data DIR or set SOONER_DATA")
     print("| map | target CDP | whole plan gets there | soonest | proven least |\n|---|---|---|---|---|")
     for name in MAPS:
-        problem, stop = real_map(Path(given.data), name), max_seconds(given.seconds)
+        problem, stop = posed(Path(given.data) / "wisar", name, (50, 50), STEPS), max_seconds(given.seconds)
         whole = [evaluate(problem, solve(problem, Anneal(), stop, seed).best.plan) for seed in range(given.seeds)]
         for share in SHARES:
             target = share * float(np.median([score.total for score in whole]))

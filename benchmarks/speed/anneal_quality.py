@@ -15,11 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
-from sooner.belief import Belief
-from sooner.grid import Grid
+from sooner.experiments.lin2014_maps import posed
 from sooner.planners import StopRule, max_seconds, max_ticks, solve
 from sooner.planners.anneal import Anneal
-from sooner.problem import Searcher, SearchProblem, detection_gains
+from sooner.problem import SearchProblem
 
 MAPS = ("hikerpaul", "newyork53", "newyork108")
 STEPS = (300, 600, 900)
@@ -28,10 +27,7 @@ STEPS = (300, 600, 900)
 def real_map(data: Path, name: str, steps: int) -> SearchProblem:
     """A map of the paper as it is searched there: copter, four neighbours, start in the middle."""
     folder = data / "wisar" if (data / "wisar").is_dir() else data
-    weights = np.loadtxt(folder / f"{name}_dist.csv", delimiter=",")
-    difficulty = np.loadtxt(folder / f"{name}_diff.csv", delimiter=",")
-    gains = detection_gains(Belief.from_weights(weights), 1 - difficulty / (difficulty.max() + 1))
-    return SearchProblem(Grid(weights.shape), gains, (Searcher((50, 50), steps),))
+    return posed(folder, name, (50, 50), steps)
 
 
 def cpu_seconds(seconds: float) -> StopRule:

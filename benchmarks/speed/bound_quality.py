@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from sooner.bounds import ConnectedSubgraph, bounds
+from sooner.experiments.lin2014_maps import posed
 from sooner.grid import Grid
 from sooner.problem import Gains, Searcher, SearchProblem
 
@@ -26,14 +27,6 @@ KNOWN = {  # best plans found, % of teleport, T = 300, 600, 900
     "newyork108": {300: 83.47, 600: 87.66, 900: 88.57},
 }
 MARKS = (0.3, 1.0, 3.0, 10.0, 30.0, 120.0)
-
-
-def read(folder: Path, name: str, steps: int) -> SearchProblem:
-    weights = np.loadtxt(folder / f"{name}_dist.csv", delimiter=",")
-    difficulty = np.loadtxt(folder / f"{name}_diff.csv", delimiter=",")
-    glimpse = 1.0 - difficulty / (difficulty.max() + 1.0)
-    gains = Gains.independent(weights / weights.sum(), glimpse)
-    return SearchProblem(Grid(weights.shape), gains, (Searcher((50, 50), steps),))
 
 
 def warm_up() -> None:
@@ -81,7 +74,7 @@ def main() -> None:
     for name in given.maps.split(","):
         for steps in map(int, given.steps.split(",")):
             best = KNOWN[name][steps]
-            row, ticks = measure(read(folder, name, steps), best - given.less, given.seconds)
+            row, ticks = measure(posed(folder, name, (50, 50), steps), best - given.less, given.seconds)
             cells = "".join(f"{value:>10.3f}" for value in row)
             print(f"{name:>11} {steps:>4}{best:>10.2f}{cells}   {ticks} ticks", flush=True)
 

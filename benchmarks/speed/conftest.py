@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from sooner.belief import Belief
+from sooner.experiments.lin2014_maps import posed
 from sooner.grid import Grid
 from sooner.problem import Searcher, SearchProblem, detection_gains
 from sooner.sensors import glimpse_from_difficulty
@@ -33,9 +34,7 @@ def real(name: str, steps: int) -> SearchProblem:
     folder = Path(os.environ.get("SOONER_DATA", "")) / "wisar"
     if "SOONER_DATA" not in os.environ or not folder.is_dir():
         pytest.skip("SOONER_DATA is not set to a folder with the wisar maps")
-    belief = Belief.from_weights(np.loadtxt(folder / f"{name}_dist.csv", delimiter=","))
-    glimpse = glimpse_from_difficulty(np.loadtxt(folder / f"{name}_diff.csv", delimiter=","))
-    return SearchProblem(Grid(belief.shape), detection_gains(belief, glimpse), (Searcher((50, 50), steps),))
+    return posed(folder, name, (50, 50), steps)
 
 
 @pytest.fixture(params=["made", "HikerPaul", "NewYork108"])
