@@ -1,0 +1,293 @@
+"""The campaign: trials go out to a crew, what comes of them goes into the ledger, until every trial has its row.
+
+It may be ended at any moment, by Ctrl-C or by a power cut, and goes on where it was when it is run again: a trial that
+was in the air then is flown again, every other stays as it is.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence, Set
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from sooner.campaigns.ledger import ASIDE, DONE, WAITING, Ledger
+from sooner.campaigns.provenance import provenance, same_source
+from sooner.campaigns.trial import Case, Outcome, Place, Trial
+from sooner.errors import DataFormatError, Fault
+
+__all__ = ["Asked", "Crew", "Progress", "Watch", "fly"]
+
+ATTEMPTS = 2
+ATTEMPTS_IF_KILLED = 5  # by somebody else: that says little about the trial
+HOPELESS = 20  # attempts, none of which came to a good end
+TELL_S = 0.25
+
+
+class Crew(Protocol):
+    """Who flies trials: the embedded `Pool`, or a `Cluster`."""
+
+    @property
+    def workers(self) -> int:
+        """Trials that fly at once; may change while the campaign runs."""
+
+    @property
+    def places(self) -> int:
+        """Trials to have begun at once: those that fly, and some that wait for a free worker."""
+
+    def start(self, trial: Trial) -> None:
+        """Fly it as soon as there is room."""
+
+    def ended(self, wait_s: float) -> list[Outcome]:
+        """What has come to its end, after waiting so long at most for the first."""
+
+    def close(self) -> None:
+        """Let go of everything."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Which trials there should be: the same seeds of every case, but for cases with a number of their own.
+
+    Parameters
+    ----------
+    cases : tuple of (Case, range)      with the seeds of each
+    """
+
+    cases: tuple[tuple[Case, range], ...]
+
+    def __len__(self) -> int:
+        return sum(len(seeds) for _, seeds in self.cases)
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far the campaign is.
+
+    Parameters
+    ----------
+    total, done, aside : int         trials; of an earlier run too
+    rate : float                     trials that ended in a second of this run
+    seconds_left : float or None     from what trials of each case have taken; None while nothing is known
+    last_failure : str               what the last attempt that went wrong said, "" if none did
+    """
+
+    total: int
+    done: int
+    aside: int
+    rate: float
+    seconds_left: float | None
+    last_failure: str = ""
+
+
+Watch = Callable[[Progress], None]
+
+
+def fly(asked: Asked, ledger: Ledger, crew: Crew, place: Place, watch: Watch = lambda progress: None) -> Progress:
+    """Fly every trial that is asked for and has no answer yet.
+
+    Trials go by seeds first, then by cases: a campaign that is cut short is a smaller one, not a lopsided one. Trials
+    that were in the air when an earlier campaign died come last, since one of them may be what killed it; trials that
+    are flown alone come after all others, one at a time.
+
+    Raises
+    ------
+    DataFormatError        the ledger cannot be written; or nothing but failures, or a worker with other code or maps
+    """
+    ledger.recover()
+    return _Flying(asked, ledger, crew, place, watch).run()
+
+
+class _Flying:
+    """One run of a campaign."""
+
+    def __init__(self, asked: Asked, ledger: Ledger, crew: Crew, place: Place, watch: Watch) -> None:
+        self.ledger, self.crew, self.watch = ledger, crew, watch
+        self.queue = _Queue(asked, ledger)
+        self.pace = _Pace(asked, ledger)
+        self.in_air: set[Trial] = set()
+        self.ended: list[tuple[Outcome, int]] = []
+        self.failures: list[str] = []
+        self.source = provenance(place)
+        self.trusted: set[str] = set()
+
+    def run(self) -> Progress:
+        try:
+            while True:
+                begun = self._begun()
+                ended, self.ended = self.ended, []
+                self.ledger.write(ended, begun)
+                for trial in begun:
+                    self.crew.start(trial)
+                if not self.in_air:
+                    break
+                self._tell()
+                for outcome in self.crew.ended(0.5):
+                    self._take(outcome)
+        finally:
+            self._land()
+        self._tell(last=True)
+        return self._progress()
+
+    def _begun(self) -> list[Trial]:
+        """Trials for the places that are free; they are in the air from now on."""
+        begun: list[Trial] = []
+        while (trial := self.queue.next(self.in_air, self.crew.places)) is not None:
+            self.in_air.add(trial)
+            begun.append(trial)
+        return begun
+
+    def _take(self, outcome: Outcome) -> None:
+        if outcome.trial not in self.in_air:  # a cluster may answer twice
+            return
+        self.in_air.remove(outcome.trial)
+        self._same_source(outcome)
+        state = self._state(outcome)
+        self.ended.append((outcome, state))
+        self.pace.take(outcome, state)
+        if state == WAITING:
+            self.queue.again(outcome.trial)
+        if outcome.ending not in ("done", "lost"):
+            self.failures.append(f"{outcome.trial}: {outcome.ending}: {outcome.reason}")
+            self._give_up_if_hopeless()
+
+    def _state(self, outcome: Outcome) -> int:
+        if outcome.ending == "done":
+            return DONE
+        if outcome.ending == "lost":
+            return WAITING
+        most = ATTEMPTS_IF_KILLED if outcome.ending == "killed" else ATTEMPTS
+        return ASIDE if self.ledger.attempts(outcome.trial) + 1 >= most else WAITING
+
+    def _same_source(self, outcome: Outcome) -> None:
+        text = outcome.provenance
+        if not text or text in self.trusted:
+            return
+        theirs = json.loads(text)
+        if not same_source(self.source, theirs):
+            came = (
+                f"a worker answered with other code or other maps than ours (commit {theirs['commit'] or 'unknown'}, "
+                f"source {theirs['source']}, data {theirs['data'] or 'none'})"
+            )
+            ours = f"source {self.source['source']}, data {self.source['data'] or 'none'}"
+            raise DataFormatError(Fault(str(self.ledger.path), "", came, f"expected {ours} on every machine"))
+        self.trusted.add(text)
+
+    def _give_up_if_hopeless(self) -> None:
+        if len(self.failures) >= HOPELESS and not self.pace.good:
+            came = f"the first {HOPELESS} attempts all failed; the last one: {self.failures[-1]}"
+            expected = "mend that, then give the same command with --retry"
+            raise DataFormatError(Fault(str(self.ledger.path), "", came, expected))
+
+    def _land(self) -> None:
+        """Whatever happens, keep what has ended and give back what has not."""
+        try:
+            self.crew.close()
+        finally:
+            self.ledger.write(self.ended, ())
+            self.ledger.release(self.in_air)
+
+    def _tell(self, last: bool = False) -> None:
+        if last or time.perf_counter() - self.pace.told > TELL_S:
+            self.pace.told = time.perf_counter()
+            self.watch(self._progress())
+
+    def _progress(self) -> Progress:
+        return self.pace.progress(self.crew.workers, self.failures[-1] if self.failures else "")
+
+
+class _Queue:
+    """Trials that have no answer yet, in the order in which they go out."""
+
+    def __init__(self, asked: Asked, ledger: Ledger) -> None:
+        together = [(case, seeds) for case, seeds in asked.cases if not case.alone]
+        alone = [(case, seeds) for case, seeds in asked.cases if case.alone]
+        self._first = {False: _missing(together, ledger), True: _missing(alone, ledger)}
+        self._again: dict[bool, deque[Trial]] = {False: deque(), True: deque()}
+        self._one = False
+
+    def next(self, in_air: Set[Trial], places: int) -> Trial | None:
+        """The next trial, if there is a place for it."""
+        if in_air and (self._one or len(in_air) >= places):
+            return None
+        trial = self._pop(alone=False)
+        if trial is None and not in_air:  # all others are done, second attempts as well
+            trial = self._pop(alone=True)
+            self._one = True
+        return trial
+
+    def again(self, trial: Trial) -> None:
+        """Try it once more, after all others."""
+        self._again[trial.case.alone].append(trial)
+
+    def _pop(self, alone: bool) -> Trial | None:
+        trial = next(self._first[alone], None)
+        if trial is None and self._again[alone]:
+            trial = self._again[alone].popleft()
+        return trial
+
+
+def _missing(cases: Sequence[tuple[Case, range]], ledger: Ledger) -> Iterator[Trial]:
+    """Trials without an end, by seed and then by case; those that were once interrupted come last."""
+    todo, last = [], []
+    for case, seeds in cases:
+        begun, states, interrupted = ledger.states(case)
+        mine = np.ones(len(seeds), bool)
+        asked = (begun >= seeds.start) & (begun < seeds.stop)
+        mine[begun[asked & ((states != WAITING) | (interrupted > 0))] - seeds.start] = False
+        todo.append((case, seeds, mine))
+        late = asked & (states == WAITING) & (interrupted > 0)
+        last += [(int(n), Trial(case, int(seed))) for seed, n in zip(begun[late], interrupted[late], strict=True)]
+    for seed in range(min((s.start for _, s in cases), default=0), max((s.stop for _, s in cases), default=0)):
+        for case, seeds, mine in todo:
+            if seed in seeds and mine[seed - seeds.start]:
+                yield Trial(case, seed)
+    for _, trial in sorted(last, key=lambda each: each[0]):
+        yield trial
+
+
+class _Pace:
+    """What is done, how fast it goes, and how long the rest will take."""
+
+    def __init__(self, asked: Asked, ledger: Ledger) -> None:
+        self.total, self.told, self.began = len(asked), 0.0, time.perf_counter()
+        self.done = self.aside = self.good = self.this_run = 0
+        self._left: dict[Case, int] = {}
+        self._taken: dict[Case, list[float]] = {}  # seconds, trials
+        for case, seeds in asked.cases:
+            counts = ledger.counts(case, seeds)
+            self.done, self.aside = self.done + counts.done, self.aside + counts.aside
+            self._left[case] = len(seeds) - counts.done - counts.aside
+            self._taken[case] = [counts.wall_s * counts.done, counts.done]
+
+    def take(self, outcome: Outcome, state: int) -> None:
+        """An attempt has ended."""
+        if state == WAITING:
+            return
+        self.this_run += 1
+        self._left[outcome.trial.case] -= 1
+        if state == ASIDE:
+            self.aside += 1
+            return
+        self.done, self.good = self.done + 1, self.good + 1
+        taken = self._taken[outcome.trial.case]
+        taken[0], taken[1] = taken[0] + outcome.wall_s, taken[1] + 1
+
+    def progress(self, workers: int, last_failure: str) -> Progress:
+        """So far."""
+        rate = self.this_run / max(time.perf_counter() - self.began, 1e-9)
+        return Progress(self.total, self.done, self.aside, rate, self._seconds_left(workers), last_failure)
+
+    def _seconds_left(self, workers: int) -> float | None:
+        seconds, trials = (sum(taken[part] for taken in self._taken.values()) for part in (0, 1))
+        if not trials:
+            return None
+        left = {False: 0.0, True: 0.0}
+        for case, number in self._left.items():
+            took, of = self._taken[case]
+            left[case.alone] += number * (took / of if of else seconds / trials)
+        return left[False] / max(workers, 1) + left[True]

@@ -1,0 +1,78 @@
+"""The embedded pool: a few slots on this machine."""
+
+from __future__ import annotations
+
+import os
+import threading
+from queue import Empty, SimpleQueue
+
+from sooner.campaigns.slot import Slot
+from sooner.campaigns.trial import Limits, Outcome, Place, Trial
+
+__all__ = ["Pool", "cores", "share_of_memory_mb"]
+
+
+class Pool:
+    """So many processes, each of which flies one trial at a time.
+
+    Parameters
+    ----------
+    workers : int
+    place : Place
+    limits : Limits       of each trial
+    """
+
+    def __init__(self, workers: int, place: Place, limits: Limits) -> None:
+        self.workers = workers
+        self._asked: SimpleQueue[Trial | None] = SimpleQueue()
+        self._ended: SimpleQueue[Outcome] = SimpleQueue()
+        self._slots = [Slot(place, limits) for _ in range(workers)]
+        self._threads = [threading.Thread(target=self._serve, args=(slot,), daemon=True) for slot in self._slots]
+        self._closed = False
+        for thread in self._threads:
+            thread.start()
+
+    @property
+    def places(self) -> int:
+        """One in each process, and as many that wait for a free one."""
+        return 2 * self.workers
+
+    def start(self, trial: Trial) -> None:
+        """Fly it as soon as a process is free."""
+        self._asked.put(trial)
+
+    def ended(self, wait_s: float) -> list[Outcome]:
+        """What has come to its end, after waiting so long at most for the first."""
+        found = []
+        try:
+            found.append(self._ended.get(timeout=wait_s))
+            while True:
+                found.append(self._ended.get_nowait())
+        except Empty:
+            return found
+
+    def close(self) -> None:
+        """End every process at once."""
+        self._closed = True
+        for slot in self._slots:
+            self._asked.put(None)
+            slot.close()
+        for thread in self._threads:
+            thread.join(timeout=10.0)
+
+    def _serve(self, slot: Slot) -> None:
+        while not self._closed and (trial := self._asked.get()) is not None:
+            self._ended.put(slot.run(trial))
+        slot.close()
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def share_of_memory_mb(workers: int) -> float:
+    """What each of so many processes may have, so that together they leave the machine a tenth of its memory."""
+    import psutil
+
+    return 0.9 * float(psutil.virtual_memory().total) / 2**20 / workers
