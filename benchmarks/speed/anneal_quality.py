@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sooner.experiments.lin2014_maps import posed
+from sooner.experiments.lin2014.maps import posed
 from sooner.planners import StopRule, max_seconds, max_ticks, solve
 from sooner.planners.anneal import Anneal
 from sooner.problem import SearchProblem

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from sooner.bounds import ConnectedSubgraph, bounds
-from sooner.experiments.lin2014_maps import posed
+from sooner.experiments.lin2014.maps import posed
 from sooner.grid import Grid
 from sooner.problem import Gains, Searcher, SearchProblem
 

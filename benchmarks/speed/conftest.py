@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sooner.belief import Belief
-from sooner.experiments.lin2014_maps import posed
+from sooner.experiments.lin2014.maps import posed
 from sooner.grid import Grid
 from sooner.problem import Searcher, SearchProblem, detection_gains
 from sooner.sensors import glimpse_from_difficulty

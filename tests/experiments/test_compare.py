@@ -3,7 +3,7 @@
 import pytest
 
 from sooner.experiments.compare import UNEXPLAINED, compare, comparison_markdown
-from sooner.experiments.study import Published, Reproduced
+from sooner.experiments.published import Published, Reproduced
 
 
 def printed(value, table="Table I", row="BA", column="300"):

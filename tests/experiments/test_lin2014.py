@@ -7,22 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sooner.campaigns.study import Study, Table, read_study
+from sooner.campaigns.trial import Case, Place, Trial
 from sooner.errors import DataFormatError
+from sooner.experiments import published as papers
 from sooner.experiments import reproduce
-from sooner.experiments import study as studies
 from sooner.experiments.compare import UNEXPLAINED, compare
-from sooner.experiments.lin2014 import Case, Trial, _cells, run_trial
-from sooner.experiments.lin2014_claims import author_gaussians, ratios_of_author
-from sooner.experiments.lin2014_maps import posed
+from sooner.experiments.lin2014.claims import author_gaussians, ratios_of_author
+from sooner.experiments.lin2014.flight import fly
+from sooner.experiments.lin2014.maps import posed
+from sooner.experiments.published import Reproduced, read_published, read_reproduced, reproduced_csv, study_folder
 from sooner.experiments.reproduce import _merged
-from sooner.experiments.study import (
-    Reproduced,
-    read_published,
-    read_reproduced,
-    read_study,
-    study_folder,
-    write_reproduced,
-)
 from sooner.problem import Plan, evaluate
 
 FOLDER = study_folder("lin2014")
@@ -37,14 +32,13 @@ NAMES = {
 }
 
 
-def case(instance: str, planner: str, steps: int) -> Case:
-    table = {"instances": [instance], "planners": [planner], "steps": [steps], "row": "", "column": ""}
-    ((_, _, found),) = _cells(STUDY, table)
-    return found
+def case(instance: str, planner: str, steps: int, study: Study = STUDY) -> Case:
+    (cell,) = study.cells(Table(name="one", instances=[instance], planners=[planner], budgets=[steps]))
+    return cell.case
 
 
 def efficiency(wisar, instance, planner, steps, seed=0) -> float:
-    return run_trial(Trial(case(instance, planner, steps), seed, wisar)).efficiency
+    return fly(Trial(case(instance, planner, steps), seed), Place("", data=str(wisar)))["efficiency"]
 
 
 # What is on paper ----------------------------------------------------------------------------------------------------
@@ -129,19 +123,23 @@ def test_topn_through_the_hierarchy_comes_near_the_printed_mean(wisar, instance,
 
 
 def test_a_bound_beside_the_plan_is_no_more_than_teleport_and_no_less_than_the_plan(wisar):
-    found = run_trial(Trial(Case("small", "synthetic60", (0, 0), None, 60, "anneal", "sooner.planners.anneal:Anneal",
-                                 seconds=0.5, proved=True), 0, wisar))  # fmt: skip
-    assert found.efficiency <= found.bound <= 100
+    settings = {
+        "instance": {"map": "synthetic60", "start": [0, 0]},
+        "planner": {"make": "sooner.planners.anneal:Anneal", "cpu_seconds": 0.5, "proved": True},
+    }
+    found = fly(Trial(Case("small", "anneal", 60, json.dumps(settings)), 0), Place("", data=str(wisar)))
+    assert found["efficiency"] <= found["bound"] <= 100
 
 
 # From end to end -----------------------------------------------------------------------------------------------------
 
 SMALL = """
 title = "A small study"
+trial = "sooner.experiments.lin2014.flight:fly"
+measure = "efficiency"
 data = "wisar"
-data_example = "hikerpaul_dist.csv"
+data_files = ["synthetic60_*"]
 trials = 2
-printed = ["BA"]
 [instances]
 "upper left" = { map = "synthetic60", start = [0, 0] }
 [planners]
@@ -149,9 +147,7 @@ BA = { make = "sooner.planners.bourgault:Bourgault" }
 [[tables]]
 name = "Table IV"
 times = "Table IV Speed"
-instances = ["upper left"]
-steps = [900]
-planners = ["BA"]
+budgets = [900]
 row = "Start from {instance}"
 column = "{planner}"
 [[rules]]
@@ -159,37 +155,46 @@ reason = "left out of this small study"
 """
 
 
-def test_a_study_runs_from_its_folder_to_its_files(wisar, tmp_path, monkeypatch):
+def test_a_study_runs_from_its_folder_to_its_files_and_flies_nothing_twice(wisar, tmp_path, monkeypatch):
     folder = tmp_path / "papers" / "small"
     folder.mkdir(parents=True)
     (folder / "study.toml").write_text(SMALL, encoding="utf-8")
     (folder / "published.csv").write_bytes((FOLDER / "published.csv").read_bytes())
-    monkeypatch.setattr(studies, "_studies", lambda: (tmp_path / "papers",))
-    lines = []
-    found = reproduce("small", wisar, trials=1, workers=1, out_dir=tmp_path / "out", figures=False, say=lines.append)
-    assert read_reproduced(tmp_path / "out")[0].key == ("Table IV", "Start from upper left", "BA")
-    assert {path.name for path in found.files} == {"reproduced.csv", "comparison.md"}
-    assert (tmp_path / "out" / "comparison.md").read_text(encoding="utf-8").startswith("# A small study")
-    assert any("trials" in line for line in lines)
+    monkeypatch.setattr(papers, "_studies", lambda: (tmp_path / "papers",))
+    out, told = tmp_path / "out", []
+    found = reproduce("small", wisar, 1, 1, out, watch=told.append)
+    assert read_reproduced(out)[0].key == ("Table IV", "Start from upper left", "BA")
+    assert {"reproduced.csv", "comparison.md", "trials.csv", "summary.md"} <= {path.name for path in found.files}
+    assert (out / "comparison.md").read_text(encoding="utf-8").startswith("# A small study")
     verdicts = {comparison.published.key: comparison.verdict for comparison in found.comparisons}
     assert verdicts["Table IV", "Start from upper left", "BA"] == "same"
     assert verdicts["Table I", "BA", "300"] == "not measured"
+    assert [told[0].done, told[-1].done] == [0, 2]
+    again = []
+    assert {row.key: row.value for row in reproduce("small", wisar, 1, 1, out, watch=again.append).rows} == {
+        row.key: row.value for row in found.rows
+    }
+    assert {progress.done for progress in again} == {2}
+
+
+def test_a_slice_of_the_study_comes_out_as_printed(wisar, tmp_path):
+    found = reproduce("lin2014", wisar, 1, 2, tmp_path, only=["Fig. 18", "Study start*"])
+    verdicts = {comparison.published.key: comparison.verdict for comparison in found.comparisons}
+    assert verdicts["Fig. 18", "LHC-GW-CONV, end at upper left", "900"] == "same"
+    ours = {row.key: row.value for row in found.rows}
+    assert ours["Study start of the synthetic scenario", "lower right", "BA"] == pytest.approx(41.91, abs=0.02)
+    assert found.progress.done == found.progress.total == 12
+    assert found.aside == ()
 
 
 def test_rows_of_tables_that_are_not_run_again_are_kept(tmp_path):
     old, new = (
         Reproduced(table, "r", "c", value, value, value, 1, "", "") for table, value in (("A", 1.0), ("B", 2.0))
     )
-    write_reproduced(tmp_path / "reproduced.csv", [old, new])
+    (tmp_path / "reproduced.csv").write_text(reproduced_csv([old, new]), encoding="utf-8")
     later = replace(new, value=3.0)
     assert _merged(tmp_path, [later]) == [old, later]
     assert _merged(tmp_path / "elsewhere", [later]) == [later]
-
-
-def test_a_planner_whose_package_is_not_installed_is_left_out():
-    table = {"instances": ["HikerPaul"], "planners": ["BA", "far"], "steps": [300], "row": "", "column": ""}
-    study = {**STUDY, "planners": {**STUDY["planners"], "far": {"make": "far:Far", "needs": "no_such_package"}}}
-    assert [found.planner for _, _, found in _cells(study, table)] == ["BA"]
 
 
 def test_a_map_that_cannot_be_read_is_refused_by_name(tmp_path):
@@ -203,7 +208,7 @@ def test_a_map_that_cannot_be_read_is_refused_by_name(tmp_path):
 
 @pytest.mark.skipif(not (FOLDER / "reproduced.csv").is_file(), reason="the study has not been run yet")
 def test_every_committed_number_that_differs_has_its_reason():
-    found = compare(read_published(FOLDER), read_reproduced(FOLDER), STUDY["rules"])
+    found = compare(read_published(FOLDER), read_reproduced(FOLDER), STUDY.file.rules)
     assert [comparison.published.key for comparison in found if comparison.reason == UNEXPLAINED] == []
     page = (FOLDER / "comparison.md").read_text(encoding="utf-8")
     assert UNEXPLAINED not in page

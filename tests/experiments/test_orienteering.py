@@ -30,7 +30,7 @@ def wall():
 def test_the_plan_is_legal_and_beats_flying_nowhere(end, blocked, wall):
     pytest.importorskip("pyvrp")
     problem = hills(24, end, wall if blocked else None)
-    best = solve(problem, Orienteering(seconds=0.3)).best
+    best = solve(problem, Orienteering(tour_seconds=0.3)).best
     assert best.value == evaluate(problem, best.plan).value
     assert best.value > 0.4 * problem.teleport.value
 

@@ -8,6 +8,7 @@ import platform
 import re
 import subprocess
 from collections.abc import Sequence
+from fnmatch import fnmatchcase
 from functools import cache
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
@@ -18,18 +19,24 @@ from sooner.campaigns.trial import Place
 __all__ = ["commit", "processor", "provenance", "same_source"]
 
 PACKAGE = Path(__file__).resolve().parents[1]
+TELLING = (
+    "cli/*", "console/*", "plotting/*", "campaigns/*", "experiments/compare.py", "experiments/published.py",
+    "experiments/reproduce.py", "experiments/tables.py", "experiments/*/claims.py", "experiments/*/figures.py",
+)  # fmt: skip
+"""Modules that tell of results, or carry them, and decide none."""
 
 
 def provenance(place: Place) -> dict[str, Any]:
     """What decides a result, and where it was made.
 
-    `source` is a digest of the package's own files and of the modules beside the study, `data` one of the maps: two
-    results belong together where both are the same. The rest is told for the reader.
+    `source` is a digest of the package's modules that can decide a result and of those beside the study, `data` one of
+    the maps: two results belong together where both are the same. The rest is told for the reader.
     """
+    maps = Path(place.data or place.folder or os.devnull)
     return {
         "commit": commit(),
         "source": _digest((PACKAGE, "**/*.py"), (Path(place.folder or os.devnull), "*.py")),
-        "data": _digest(*((Path(place.data or os.devnull), pattern) for pattern in place.data_files)),
+        "data": _digest(*((maps, pattern) for pattern in place.data_files)),
         "python": platform.python_version(),
         "packages": _packages(),
         "processor": processor(),
@@ -47,6 +54,8 @@ def _digest(*wanted: tuple[Path, str]) -> str:
     for folder, pattern in wanted:
         for file in sorted(file for file in folder.glob(pattern) if file.is_file()):
             name = file.relative_to(folder).as_posix()
+            if folder == PACKAGE and any(fnmatchcase(name, pattern) for pattern in TELLING):
+                continue
             whole.update(f"{name}\0".encode() + hashlib.sha256(file.read_bytes()).digest())
     return whole.hexdigest()[:16]
 

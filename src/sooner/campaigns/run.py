@@ -14,7 +14,8 @@ from sooner.campaigns.pool import Pool, cores, share_of_memory_mb
 from sooner.campaigns.provenance import provenance, same_source
 from sooner.campaigns.results import Results, collect
 from sooner.campaigns.study import Study
-from sooner.campaigns.trial import Case, Place
+from sooner.campaigns.tidy import flat
+from sooner.campaigns.trial import Case, Place, Trial
 from sooner.errors import DataFormatError, Fault
 
 __all__ = ["LEDGER", "Earlier", "Ran", "find_data", "run_study"]
@@ -44,19 +45,24 @@ class Ran:
     def __exit__(self, *_: object) -> None:
         self.ledger.close()
 
-    def results(self) -> dict[Case, Results]:
-        """What came of every case."""
-        return {case: self.of(case, seeds) for case, seeds in self.asked.cases}
+    def results(self, alone: bool = True) -> dict[Case, Results]:
+        """What came of every case; with those flown alone or without."""
+        return {case: self.of(case, seeds) for case, seeds in self.asked.cases if alone or not case.alone}
 
     def of(self, case: Case, seeds: range) -> Results:
         """What came of one case."""
-        rows = self.ledger.answers(case, seeds)
+        rows = ((seed, flat(answer)) for seed, answer in self.ledger.answers(case, seeds))
         return collect(case.instance, case.planner, case.budget, rows, self.ledger.counts(case, seeds).aside)
 
     def answers(self, case: Case) -> list[dict[str, Any]]:
         """Whole answers of a case, by seed: paths and whatever else a trial told."""
         seeds = dict(self.asked.cases)[case]
         return [answer for _, answer in self.ledger.answers(case, seeds)]
+
+    def set_aside(self) -> list[tuple[Trial, str, str]]:
+        """Trials that failed for good: how, and why."""
+        asked = dict(self.asked.cases)
+        return [found for found in self.ledger.failures(asked) if found[0].seed in asked[found[0].case]]
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """Every trial that was begun, as one flat row."""
@@ -99,7 +105,7 @@ def run_study(
         study.file.trial,
         str(study.folder.resolve()),
         str(find_data(data, study.file.data, study.file.data_files)) if study.file.data else "",
-        tuple(study.file.data_files),
+        study.data_files,
     )
     asked = study.asked(trials)
     ledger = _opened(folder / LEDGER, study, asked, place, earlier)

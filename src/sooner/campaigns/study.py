@@ -21,7 +21,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from importlib.util import find_spec
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -33,7 +33,8 @@ from sooner.errors import DataFormatError, Fault
 __all__ = ["Cell", "Study", "Table", "read_study"]
 
 MAX_BYTES = 10_000_000
-FLIGHT = "sooner.campaigns.flight:fly"
+FLIGHT = "sooner.experiments.flight:fly"
+RASTERS = (".csv", ".npy", ".tif", ".tiff")
 Number = int | float
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
@@ -120,6 +121,13 @@ class Study:
         """Those of the file, or one of everything."""
         return tuple(self.file.tables) or (Table(name="All"),)
 
+    @property
+    def data_files(self) -> tuple[str, ...]:
+        """Patterns of the files that decide what comes out: those the study names, missions and what lies by them."""
+        missions = [PurePosixPath(said["mission"]) for said in self.file.instances.values() if "mission" in said]
+        beside = [str(mission.parent / f"*{suffix}") for mission in missions for suffix in RASTERS]
+        return tuple(dict.fromkeys([*self.file.data_files, *map(str, missions), *beside]))
+
     def only(self, names: Sequence[str]) -> Study:
         """The same study with fewer tables, * and ? allowed.
 
@@ -143,8 +151,8 @@ class Study:
                 if cell.versus is not None:
                     seeds.setdefault(cell.versus, self._seeds(cell.versus, count))
                 if table.times:
-                    alone = replace(cell.case, alone=True)
-                    seeds.setdefault(alone, range(min(count, self.file.timed_trials)))
+                    timed = min(len(seeds[cell.case]), self.file.timed_trials)
+                    seeds.setdefault(self.alone(cell).case, range(timed))
         return Asked(tuple(seeds.items()))
 
     def cells(self, table: Table) -> Iterator[Cell]:
@@ -159,6 +167,10 @@ class Study:
                     versus = self._case(instance, table.versus, budget) if table.versus else None
                     row, column = (part.format(**names).strip() for part in (table.row, table.column))
                     yield Cell(row, column, self._case(instance, planner, budget), versus)
+
+    def alone(self, cell: Cell) -> Cell:
+        """The same cell of the table of times, flown while nothing else runs."""
+        return replace(cell, case=replace(cell.case, alone=True), versus=None)
 
     def _usable(self, planner: str) -> bool:
         return find_spec(self.file.planners[planner].get("needs", "sooner")) is not None

@@ -136,13 +136,70 @@ def cite(
     return partial(_run, "lists", "cite", name)
 
 
+Trials = Annotated[int | None, typer.Option(help="Seeds 0, 1, ... of each case; left out: as the study says.", min=1)]
+Data = Annotated[Path | None, typer.Option(help="Folder of the papers' maps; left out: $SOONER_DATA.")]
+Scheduler = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler, tcp://HOST:PORT; left out: this machine.")
+]
+Earlier = Annotated[
+    str,
+    typer.Option(
+        metavar="ask|keep|redo",
+        help="Results of other code or maps in the ledger: ask stops and says so, keep counts them, "
+        "redo puts that ledger aside and begins anew.",
+    ),
+]
+Retry = Annotated[bool, typer.Option("--retry", help="Fly trials again that were set aside.")]
+
+
+@app.command()
+def study(
+    file: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Instances, planners, budgets, seeds.")],
+    data: Data = None,
+    trials: Trials = None,
+    workers: Workers = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the ledger and the report.")] = None,
+    scheduler: Scheduler = None,
+    earlier: Earlier = "ask",
+    retry: Retry = False,
+    json: Json = False,
+    quiet: Quiet = False,
+    force: Force = False,
+) -> Work:
+    """Compare planners over many seeds: every trial is kept, and the same command goes on where it was stopped.
+
+    Writes trials.sqlite (the ledger), summary.md, summary.csv, paired.csv and trials.csv to --out (left out: a folder
+    STUDY-results beside the study file).
+    """
+    return partial(
+        _campaign, "study", file, (data, trials, workers, out, scheduler, earlier, retry, json, quiet, force)
+    )
+
+
 @app.command()
 def reproduce(
     paper: Annotated[str, typer.Argument(help="kuhlman2017, lin2014 or wolek2020.")],
-    data: Annotated[Path | None, typer.Option(help="Folder of the papers' maps; left out: $SOONER_DATA.")] = None,
-    trials: Annotated[int | None, typer.Option(help="Seeds of each case.", min=1)] = None,
+    data: Data = None,
+    trials: Trials = None,
     workers: Workers = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for reproduced.csv.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for reproduced.csv and the rest.")] = None,
+    only: Annotated[list[str] | None, typer.Option(metavar="TABLE", help="Tables to fly, * and ? allowed.")] = None,
+    scheduler: Scheduler = None,
+    earlier: Earlier = "ask",
+    retry: Retry = False,
+    json: Json = False,
+    quiet: Quiet = False,
+    force: Force = False,
 ) -> Work:
-    """Run a paper's study again and write its tables."""
-    return partial(_run, "reproduce", "reproduce", paper, data, trials, workers, out)
+    """Run a paper's study again and set its tables beside the printed ones.
+
+    What an earlier run has flown is not flown again: a run that was stopped goes on with the same command.
+    """
+    wishes = (data, trials, workers, out, scheduler, earlier, retry, json, quiet, force)
+    return partial(_campaign, "reproduce", paper, wishes, only or [])
+
+
+def _campaign(name: str, what: Path | str, wishes: tuple[Any, ...], *more: Any) -> int:
+    module = import_module("sooner.cli.study")
+    status: int = getattr(module, name)(what, *more, module.Wishes(*wishes))
+    return status

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
 
-from sooner.experiments.study import Published, Reproduced
+from sooner.experiments.published import Published, Reproduced
 
 __all__ = ["Comparison", "Rule", "compare", "comparison_markdown"]
 

@@ -37,12 +37,12 @@ class Orienteering:
 
     Parameters
     ----------
-    seconds : float            of this process's own time, for PyVRP's iterated local search
+    tour_seconds : float       of this process's own time, for PyVRP's iterated local search
     per_step : float           cells modelled for each step of the budget; more only slow PyVRP down
     clients : int              largest number of cells modelled; 1,000 make a matrix of a million distances
     """
 
-    seconds: float = 10.0
+    tour_seconds: float = 10.0
     per_step: float = 1.0
     clients: int = 1000
 
@@ -58,7 +58,7 @@ class Orienteering:
     def plans(self, problem: SearchProblem, rng: Generator) -> Iterator[Incumbent]:
         """Yield once."""
         cells = _candidates(problem, min(round(self.per_step * problem.searcher.budget), self.clients))
-        tour = _tour(problem, cells, self.seconds, int(rng.integers(2**31)))
+        tour = _tour(problem, cells, self.tour_seconds, int(rng.integers(2**31)))
         plan = Plan.of(fly(problem, cells[tour]))
         yield Incumbent(plan, evaluate(problem, plan).value)
 

@@ -1,27 +1,28 @@
-"""`reproduce`: run a paper's study again, and set what comes out beside what was printed."""
+"""`reproduce`: fly a paper's study, and set what comes out beside what was printed."""
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
+from sooner.campaigns.campaign import Progress, Watch
+from sooner.campaigns.report import REPORT, write_report
+from sooner.campaigns.run import Earlier, Ran, find_data, run_study
+from sooner.campaigns.study import Study, read_study
 from sooner.errors import InvalidProblemError
 from sooner.experiments.compare import Comparison, compare, comparison_markdown
-from sooner.experiments.study import (
+from sooner.experiments.published import (
     Reproduced,
-    find_data,
     read_published,
     read_reproduced,
-    read_study,
+    reproduced_csv,
     study_folder,
-    writable_folder,
-    write_atomically,
-    write_reproduced,
 )
+from sooner.experiments.tables import tables
+from sooner.io.writing import Folder
 
 __all__ = ["Reproduction", "reproduce"]
 
@@ -35,11 +36,15 @@ class Reproduction:
     rows : tuple of Reproduced
     comparisons : tuple of Comparison    one for each published number
     files : tuple of Path                what was written
+    progress : Progress                  trials that are done
+    aside : tuple                        trials that failed for good: which, how and why
     """
 
     rows: tuple[Reproduced, ...]
     comparisons: tuple[Comparison, ...]
     files: tuple[Path, ...]
+    progress: Progress
+    aside: tuple[tuple[str, str, str], ...]
 
 
 def reproduce(
@@ -50,47 +55,79 @@ def reproduce(
     out_dir: Path | None = None,
     only: Sequence[str] = ("*",),
     figures: bool = True,
-    say: Callable[[str], None] = lambda line: print(line, file=sys.stderr),
+    scheduler: str | None = None,
+    earlier: Earlier = "ask",
+    retry: bool = False,
+    force: bool = False,
+    watch: Watch = lambda progress: None,
 ) -> Reproduction:
-    """Run the study of `paper`, then write `reproduced.csv`, `comparison.md` and the figures.
+    """Fly the study of `paper`, then write `reproduced.csv`, `comparison.md`, the figures and every trial.
+
+    What an earlier run has flown is not flown again.
 
     Parameters
     ----------
     paper : str                 key of the study, "lin2014"
     data_dir : Path or None     folder of the real maps; None takes SOONER_DATA
     trials : int or None        seeds 0, 1, ... of each case; None takes the study's number
-    workers : int or None       processes for the cases that are not timed; None takes one for each core
+    workers : int or None       processes; None takes one for each core
     out_dir : Path or None      where to write; None takes the study's own folder in a checkout, else ./<paper>
-    only : sequence of str      names of the tables to run, * and ? allowed; other rows of an earlier run are kept
-    figures : bool              draw the paper's figures as well, where the tables they are made from were run
+    only : sequence of str      names of the tables to fly, * and ? allowed; other rows of an earlier run are kept
+    figures : bool              draw the paper's figures as well, where the tables they are made from were flown
+    scheduler, earlier, retry, watch    as in `run_study`
+    force : bool                replace files in `out_dir` even where sooner did not write them
 
     Raises
     ------
-    DataFormatError             no such study, or its maps are not there
+    DataFormatError             no such study, its maps are not there, or its ledger or files cannot be written
     InvalidProblemError         no trial, or no worker
     """
-    folder = study_folder(paper)
-    study, published = read_study(folder), read_published(folder)
-    count = int(study["trials"]) if trials is None else trials
-    if count < 1 or (workers is not None and workers < 1):
-        raise InvalidProblemError(f"{count} trials and {workers} workers came; expected at least one of each")
-    from sooner.experiments import lin2014  # the only study so far; each will have a module of its own
+    if any(number is not None and number < 1 for number in (trials, workers)):
+        raise InvalidProblemError(f"{trials} trials and {workers} workers came; expected at least one of each")
+    home = study_folder(paper)
+    study = read_study(home).only(only)
+    data = find_data(data_dir, study.file.data, study.file.data_files)
+    in_checkout = home.parent.parent.name == "benchmarks"  # there a repository keeps what was before
+    out = Folder(out_dir or (home if in_checkout else Path(paper)), force or (in_checkout and out_dir is None))
+    out.check("reproduced.csv", "comparison.md", *REPORT)
+    with run_study(study, out.path, data_dir, trials, workers, scheduler, earlier, retry, watch) as ran:
+        filled = tables(study, ran)
+        rows = _merged(out.path, [*filled, *_claimed(study, ran, filled, data)])
+        comparisons = compare(read_published(home), rows, study.file.rules)
+        pages = {
+            "reproduced.csv": reproduced_csv(rows).encode(),
+            "comparison.md": comparison_markdown(study.file.title, comparisons, rows).encode(),
+        }
+        drawn = dict(_hook(study, "figures")(ran, study, data)) if figures and _can_draw(study) else {}
+        report = write_report(ran, study.file.title, out, pages)
+        aside = tuple((str(trial), ending, reason) for trial, ending, reason in ran.set_aside())
+    pictures = Folder(out.path / "figures", out.force)
+    pictures.write(drawn)
+    files = (*report.files, *(pictures.path / name for name in drawn))
+    return Reproduction(tuple(rows), tuple(comparisons), files, ran.progress, aside)
 
-    data = find_data(data_dir, study["data"], study["data_example"])
-    own = folder if folder.parent.parent.name == "benchmarks" else Path(paper)
-    out = writable_folder(own if out_dir is None else out_dir)
-    chosen = [table for table in study["tables"] if any(fnmatchcase(table["name"], name) for name in only)]
-    ran, outcomes = lin2014.run_study({**study, "tables": chosen}, data, count, workers or os.cpu_count() or 1, say)
-    rows = _merged(out, ran) if len(chosen) < len(study["tables"]) else ran
-    comparisons = compare(published, rows, study["rules"])
-    write_reproduced(out / "reproduced.csv", rows)
-    write_atomically(out / "comparison.md", comparison_markdown(study["title"], comparisons, rows))
-    files = [out / "reproduced.csv", out / "comparison.md"]
-    if figures and set(study.get("figures_from", ())) <= {table["name"] for table in chosen}:
-        from sooner.experiments.lin2014_figures import draw_figures
 
-        files += draw_figures(study, data, outcomes, out / "figures", say)
-    return Reproduction(tuple(rows), tuple(comparisons), tuple(files))
+def _hook(study: Study, name: str) -> Callable[..., Iterable[Any]]:
+    """A function of the paper's own, as its study names it; one that has nothing to say where there is none."""
+    if name not in study.file.paper:
+        return lambda *_: ()
+    module, function = study.file.paper[name].split(":")
+    found: Callable[..., Iterable[Any]] = getattr(import_module(module), function)
+    return found
+
+
+def _can_draw(study: Study) -> bool:
+    return set(study.file.paper.get("figures_from", ())) <= {table.name for table in study.tables}
+
+
+def _claimed(study: Study, ran: Ran, filled: Sequence[Reproduced], data: Path) -> list[Reproduced]:
+    """What the paper says of its tables rather than in them, counted in ours."""
+    value = {row.key: row.value for row in filled}
+    commit, processor = (filled[0].commit, filled[0].processor) if filled else ("", "")
+    return [
+        Reproduced(table, row, column, claimed, claimed, claimed, n, commit, processor)
+        for table, row, column, claimed, n in _hook(study, "claims")(ran, study, value, data)
+    ]
 
 
 def _merged(folder: Path, ran: Sequence[Reproduced]) -> list[Reproduced]:

@@ -64,8 +64,16 @@ class Folder:
         if faults:
             raise DataFormatError(*faults)
 
-    def write(self, files: Mapping[str, bytes]) -> None:
+    def beside(self, name: str) -> Path:
+        """A place beside a file's own, to make a large one before `write` puts it there; swept up if we are killed."""
+        return self.path / f"{_TEMPORARY}{os.getpid()}-{name}.tmp"
+
+    def write(self, files: Mapping[str, bytes | Path]) -> None:
         """Write all of these files, or, where one of them cannot be written, none.
+
+        Parameters
+        ----------
+        files : mapping        name and what it holds, or where it was made `beside`
 
         Raises
         ------
@@ -79,13 +87,14 @@ class Folder:
         with _alone_in(self.path):
             self._write(files)
 
-    def _write(self, files: Mapping[str, bytes]) -> None:
-        self._check(files)
-        written: dict[str, Path] = {}
+    def _write(self, files: Mapping[str, bytes | Path]) -> None:
+        written = {name: content for name, content in files.items() if isinstance(content, Path)}
         try:
+            self._check(files)
             self._sweep()
             for name, content in files.items():
-                written[name] = self._beside(name, content)
+                if not isinstance(content, Path):
+                    written[name] = self._beside(name, content)
             ledger = self._ledger()
             for name, content in files.items():  # before the renames: a crash between them leaves files known as ours
                 ledger[name] = [*ledger.get(name, [])[-1:], _checksum(content)]
@@ -108,7 +117,7 @@ class Folder:
             return None
         if name not in ledger:
             came = "a file of that name is there, and sooner did not write it"
-        elif _checksum(place.read_bytes()) not in ledger[name]:
+        elif _checksum(place) not in ledger[name]:
             came = "this file has been changed since sooner wrote it"
         else:
             return None
@@ -122,7 +131,7 @@ class Folder:
             return {}
 
     def _beside(self, name: str, content: bytes) -> Path:
-        beside = self.path / f"{_TEMPORARY}{os.getpid()}-{name}.tmp"
+        beside = self.beside(name)
         try:
             with beside.open("wb") as file:
                 file.write(content)
@@ -170,8 +179,11 @@ def _refusal(path: Path, came: str) -> DataFormatError:
     return DataFormatError(Fault(str(path), "", came, "expected a folder that can be written to; give another --out"))
 
 
-def _checksum(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
+def _checksum(content: bytes | Path) -> str:
+    if isinstance(content, bytes):
+        return hashlib.sha256(content).hexdigest()
+    with content.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _is_running(process: int) -> bool:

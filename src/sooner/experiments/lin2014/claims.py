@@ -18,8 +18,10 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from sooner.belief.mixture import Mixture
+from sooner.campaigns.run import Ran
+from sooner.campaigns.study import Study
 from sooner.decomposition import modes
-from sooner.experiments.lin2014_maps import posed
+from sooner.experiments.lin2014.maps import posed
 from sooner.planners import Planner, solve
 from sooner.planners.hill_climb import Field, directions
 from sooner.planners.mode_goodness import match_modes, mode_goodness
@@ -29,7 +31,8 @@ from sooner.planners.topn import TopN
 __all__ = ["WITHOUT_CHANCE", "author_gaussians", "claims", "ratios_of_author"]
 
 Values = Mapping[tuple[str, str, str], float]
-Claim = tuple[str, str, str, float]
+Counted = tuple[str, str, str, float]
+Claim = tuple[str, str, str, float, int]
 
 STEPS = ("300", "600", "900")
 TABLES = {"Table I": "HikerPaul", "Table II": "NewYork53", "Table III": "NewYork108"}
@@ -40,15 +43,32 @@ LAYER = ("Top2 (1 layer)", "TopN (1 layer)")
 HIERARCHY = ("Top2 (Hierarchy)", "TopN (Hierarchy)")
 
 
-def claims(value: Values, spread: Mapping[str, float], data: Path) -> Iterator[Claim]:
-    """Table, row, column and value of every claim whose tables were run.
+def claims(ran: Ran, study: Study, value: Values, data: Path) -> Iterator[Claim]:
+    """Table, row, column, value and number of trials of every claim whose tables were run.
 
     Parameters
     ----------
     value : mapping            what the tables hold, by table, row and column
-    spread : mapping           largest standard deviation of each real scenario
     data : Path                folder of the authors' maps
     """
+    trials = max((len(seeds) for case, seeds in ran.asked.cases if not case.alone), default=0)
+    timed = max((len(seeds) for case, seeds in ran.asked.cases if case.alone), default=0)
+    for table, row, column, claimed in _claims(_spread(ran, study), value, data):
+        n = 1 if table in WITHOUT_CHANCE else timed if "Speed" in table else trials
+        yield table, row, column, claimed, n
+
+
+def _spread(ran: Ran, study: Study) -> dict[str, float]:
+    """Largest standard deviation of Efficiency_LB over the cells that the paper prints of a map, as a fraction."""
+    widest: dict[str, float] = {}
+    for case, found in ran.results().items():
+        if case.planner in study.file.paper["printed"] and len(found) and not case.alone:
+            deviation = float(np.std(found.measures["efficiency"] / 100.0))
+            widest[case.instance] = max(widest.get(case.instance, 0.0), deviation)
+    return widest
+
+
+def _claims(spread: Mapping[str, float], value: Values, data: Path) -> Iterator[Counted]:
     for table, instance in TABLES.items():
         if instance in spread:
             yield table, "all rows", "standard deviation below", spread[instance]
@@ -99,7 +119,7 @@ class _Stored:
         return cells[np.argsort(-goodness, kind="stable")]
 
 
-def _with_author_gaussians(data: Path) -> Iterator[Claim]:
+def _with_author_gaussians(data: Path) -> Iterator[Counted]:
     """What one layer gives where nothing is left to chance in the mixture: HikerPaul with the author's own."""
     goodness: Any = _Stored(_author_mixture(data))
     top2, topn = Top2(layers=(5,), goodness=goodness), TopN(layers=((5, 3),), goodness=goodness)
@@ -111,14 +131,14 @@ def _with_author_gaussians(data: Path) -> Iterator[Claim]:
             yield WITHOUT_CHANCE[1], name, steps, 100.0 * value / problem.teleport.value
 
 
-def _ranks(value: Values) -> Iterator[Claim]:
+def _ranks(value: Values) -> Iterator[Counted]:
     """Fig. 17: who has collected most by T = 900 on NewYork53."""
     order = sorted((*GREEDY, *HIERARCHY), key=lambda name: -value["Table II", name, "900"])
     yield "Fig. 17", "TopN", "rank at T = 900", order.index("TopN (Hierarchy)") + 1
     yield "Fig. 17", "Top2", "rank at T = 900", order.index("Top2 (Hierarchy)") + 1
 
 
-def _synthetic(value: Values) -> Iterator[Claim]:
+def _synthetic(value: Values) -> Iterator[Counted]:
     left, right = (
         {name: value["Table IV", f"Start from {corner}", name] for name in (*GREEDY, *BOTH)}
         for corner in ("upper left", "lower right")
@@ -132,7 +152,7 @@ def _synthetic(value: Values) -> Iterator[Claim]:
     yield "Text", "lower right: TopN above LHC-GW-CONV with end", "comparisons of 1", int(right["TopN"] > ended)
 
 
-def _real(value: Values) -> Iterator[Claim]:
+def _real(value: Values) -> Iterator[Counted]:
     def above(better: Iterable[str], worse: Iterable[str]) -> int:
         """Cells of nine in which each of the first is above each of the second."""
         return sum(
@@ -152,7 +172,7 @@ def _real(value: Values) -> Iterator[Claim]:
     yield "Text", row, "comparisons of 1", int(short)
 
 
-def _times(value: Values) -> Iterator[Claim]:
+def _times(value: Values) -> Iterator[Counted]:
     def longest(table: str, *names: str) -> float:
         return max(value[f"{table} Speed", name, steps] for name in names for steps in STEPS)
 

@@ -7,7 +7,7 @@ task difficulty map, are drawn instead.
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.experiments.lin2014 import Case, Outcome
-from sooner.experiments.lin2014_claims import author_gaussians, ratios_of_author
-from sooner.experiments.lin2014_maps import posed
-from sooner.experiments.study import write_atomically
+from sooner.campaigns.run import Ran
+from sooner.campaigns.study import Study
+from sooner.experiments.lin2014.claims import author_gaussians, ratios_of_author
+from sooner.experiments.lin2014.maps import posed
 from sooner.planners import Greedy, Planner, max_ticks, solve
 from sooner.planners.anneal import Anneal
 from sooner.planners.global_warming import GlobalWarming
@@ -53,20 +53,22 @@ CURVES = {"TopN": ("black", "-"), "Top2": ("#2166ac", "--"), "LHC-GW-CONV": ("#b
 class Flown:
     """What the figures draw from: the study, its maps and, of every case, the seed in the middle by value."""
 
-    study: Mapping[str, Any]
+    study: Study
     data: Path
-    outcomes: Mapping[Case, Sequence[Outcome]]
+    ran: Ran
 
     @cached_property
-    def _middle(self) -> dict[tuple[str, str, int], Outcome]:
-        return {
-            (case.instance, case.planner, case.steps): sorted(found, key=lambda each: each.efficiency)[len(found) // 2]
-            for case, found in self.outcomes.items()
-        }
+    def _middle(self) -> dict[tuple[str, str, int], tuple[int, ...]]:
+        found = {}
+        for case, _ in self.ran.asked.cases:
+            answers = sorted(self.ran.answers(case), key=lambda each: float(each["efficiency"]))
+            if answers and not case.alone:
+                found[case.instance, case.planner, int(case.budget or 0)] = tuple(answers[len(answers) // 2]["cells"])
+        return found
 
     def problem(self, instance: str, steps: int = 900) -> SearchProblem:
         """An instance of the study."""
-        place = self.study["instances"][instance]
+        place = self.study.file.instances[instance]
         end = tuple(place["end"]) if "end" in place else None
         return posed(self.data, place["map"], tuple(place["start"]), steps, end)
 
@@ -76,38 +78,28 @@ class Flown:
 
     def cells(self, instance: str, planner: str, steps: int = 900) -> tuple[int, ...]:
         """The path of the seed in the middle."""
-        return self._middle[instance, planner, steps].cells
+        return self._middle[instance, planner, steps]
 
 
-def draw_figures(
-    study: Mapping[str, Any],
-    data: Path,
-    outcomes: Mapping[Case, Sequence[Outcome]],
-    folder: Path,
-    say: Callable[[str], None],
-) -> list[Path]:
-    """Draw every figure that the data allow, as small PNG files."""
+def draw_figures(ran: Ran, study: Study, data: Path) -> Iterator[tuple[str, bytes]]:
+    """Draw every figure that the data allow: the name of a small PNG file, and what it holds."""
     import matplotlib as mpl
 
     mpl.use("agg")
-    flown = Flown(study, data, outcomes)
-    written = []
-    with mpl.rc_context(STYLE):
-        for number, draw in FIGURES.items():
-            written.append(_saved(draw(flown), folder / f"figure-{number:02d}.png"))
-    say(f"{len(written)} figures drawn")
-    return written
+    flown = Flown(study, data, ran)
+    for number, draw in FIGURES.items():
+        with mpl.rc_context(STYLE):
+            yield f"figure-{number:02d}.png", _drawn(draw(flown))
 
 
-def _saved(figure: Figure, path: Path) -> Path:
+def _drawn(figure: Figure) -> bytes:
     import matplotlib.pyplot as plt
 
     drawn = io.BytesIO()
     options = {"optimize": True, "compress_level": 9}
     figure.savefig(drawn, format="png", bbox_inches="tight", metadata={"Software": None}, pil_kwargs=options)
     plt.close(figure)
-    write_atomically(path, drawn.getvalue())
-    return path
+    return drawn.getvalue()
 
 
 def _panels(count: int, width: float = 2.6, height: float = 2.75) -> tuple[Figure, list[Axes]]:

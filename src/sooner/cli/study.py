@@ -1,0 +1,202 @@
+"""`sooner study` and `sooner reproduce`: campaigns of trials."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from sooner.cli.exits import DONE, say
+from sooner.errors import DataFormatError, Fault
+
+if TYPE_CHECKING:
+    from sooner.campaigns import Progress
+    from sooner.campaigns.run import Earlier
+
+__all__ = ["Wishes", "reproduce", "study"]
+
+PAPERS = ("lin2014",)
+LATER = ("kuhlman2017", "wolek2020")
+EARLIER = ("ask", "keep", "redo")
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What both commands take."""
+
+    data: Path | None
+    trials: int | None
+    workers: int | None
+    out: Path | None
+    scheduler: str | None
+    earlier: str
+    retry: bool
+    json: bool
+    quiet: bool
+    force: bool
+
+    def checked(self) -> Earlier:
+        """How to treat earlier results; refuses a folder of maps that is not there."""
+        if self.data is not None and not self.data.is_dir():
+            raise DataFormatError(Fault("--data", "", f"{str(self.data)!r} came", "expected a folder that exists"))
+        if self.scheduler is not None and self.workers is not None:
+            raise DataFormatError(
+                Fault("--workers", "", f"{self.workers} came with --scheduler", "the cluster has its own; leave it out")
+            )
+        for word in ("ask", "keep", "redo"):
+            if self.earlier == word:
+                return word
+        raise DataFormatError(Fault("--earlier", "", f"{self.earlier!r} came", f"expected one of {', '.join(EARLIER)}"))
+
+
+def study(file: Path, wishes: Wishes) -> int:
+    """Fly a study of the user's own."""
+    earlier = wishes.checked()
+    from sooner.campaigns.report import REPORT, write_report
+    from sooner.campaigns.run import run_study
+    from sooner.campaigns.study import read_study
+    from sooner.io.writing import Folder
+
+    read = read_study(file)
+    out = Folder(wishes.out or read.folder / f"{file.stem}-results", wishes.force)
+    out.check(*REPORT)
+    with (
+        Watch(read.file.title, wishes.quiet) as watch,
+        run_study(
+            read,
+            out.path,
+            wishes.data,
+            wishes.trials,
+            wishes.workers,
+            wishes.scheduler,
+            earlier,
+            wishes.retry,
+            watch.tell,
+        ) as ran,
+    ):
+        report = write_report(ran, read.file.title, out)
+        aside = [(str(trial), ending, reason) for trial, ending, reason in ran.set_aside()]
+    return _ended(wishes, ran.progress, [*report.files, out.path / "trials.sqlite"], aside, report.notes)
+
+
+def reproduce(paper: str, only: list[str], wishes: Wishes) -> int:
+    """Fly a paper's study, and compare."""
+    if paper not in PAPERS:
+        later = ", which this version does not do yet" if paper in LATER else ""
+        raise DataFormatError(Fault("reproduce", "", f"{paper!r} came{later}", f"expected {' or '.join(PAPERS)}"))
+    earlier = wishes.checked()
+    if wishes.data is None and not os.environ.get("SOONER_DATA"):
+        raise DataFormatError(
+            Fault("--data", "", "nothing came", "expected the folder of the papers' maps, or SOONER_DATA")
+        )
+    from sooner.experiments import reproduce as run
+
+    with Watch(paper, wishes.quiet) as watch:
+        found = run(
+            paper,
+            wishes.data,
+            wishes.trials,
+            wishes.workers,
+            wishes.out,
+            only or ["*"],
+            True,
+            wishes.scheduler,
+            earlier,
+            wishes.retry,
+            wishes.force,
+            watch.tell,
+        )
+    return _ended(wishes, found.progress, found.files, found.aside, ())
+
+
+def _ended(wishes: Wishes, progress: Progress, files: Any, aside: Any, notes: Any) -> int:
+    """Say what there is now."""
+    for trial, ending, reason in aside[:10]:
+        say(f"set aside: {trial}: {ending}: {_last_line(reason)}")
+    if aside:
+        say(f"{len(aside)} trials were set aside; --retry flies them again")
+    for note in notes:
+        say(f"note: {note}")
+    if wishes.json:
+        told = {"trials": progress.total, "done": progress.done, "aside": progress.aside}
+        print(json.dumps({**told, "files": [str(file) for file in files]}))
+        return DONE
+    for file in files:
+        print(f"written  {file}")
+    return DONE
+
+
+def _last_line(reason: str) -> str:
+    lines = reason.strip().splitlines()
+    return lines[-1] if lines else ""
+
+
+class Watch:
+    """Tells how a campaign goes, on stderr: a live line on a terminal, now and then a plain one elsewhere."""
+
+    def __init__(self, title: str, quiet: bool) -> None:
+        self.title, self.quiet = title, quiet
+        self._live: Any = None
+        self._told = self._began = time.perf_counter()
+        self._last: Progress | None = None
+
+    def __enter__(self) -> Watch:
+        if not self.quiet and sys.stderr.isatty():
+            from rich.console import Console
+            from rich.live import Live
+
+            self._live = Live(console=Console(stderr=True), refresh_per_second=4, transient=True)
+            self._live.start()
+        return self
+
+    def tell(self, progress: Progress) -> None:
+        """Show the progress, not more often than anyone can read."""
+        first, self._last = self._last is None, progress
+        if self.quiet:
+            return
+        if first and progress.done:
+            say(f"{progress.done:,} of {progress.total:,} trials were flown before")
+        if self._live is not None:
+            from rich.text import Text
+
+            self._live.update(Text(_line(progress)))
+        elif first or time.perf_counter() - self._told > PLAIN_S or progress.done + progress.aside == progress.total:
+            self._told = time.perf_counter()
+            say(_line(progress))
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._live is not None:
+            self._live.stop()
+        if isinstance(error, KeyboardInterrupt) and self._last is not None:
+            say(f"{self._last.done:,} of {self._last.total:,} trials are kept; the same command goes on from there")
+
+
+PLAIN_S = 10.0
+
+
+def _line(progress: Progress) -> str:
+    parts = [f"{progress.done:,} of {progress.total:,} trials"]
+    if progress.aside:
+        parts.append(f"{progress.aside:,} set aside")
+    if progress.rate:
+        parts.append(f"{progress.rate:.3g} a second" if progress.rate >= 1 else f"{60 * progress.rate:.3g} a minute")
+    if progress.seconds_left:
+        parts.append(f"{_duration(progress.seconds_left)} left")
+    if progress.last_failure:
+        parts.append(f"last failure: {_last_line(progress.last_failure)[:60]}")
+    return "   ".join(parts)
+
+
+def _duration(seconds: float) -> str:
+    """As people say it: 40 s, 12 min, 3.5 h, 2 days."""
+    for unit, size, most in (("s", 1, 100), ("min", 60, 100), ("h", 3600, 48)):
+        if seconds < most * size:
+            return f"{seconds / size:.2g} {unit}" if seconds < 10 * size else f"{seconds / size:.0f} {unit}"
+    return f"{seconds / 86400:.3g} days"
