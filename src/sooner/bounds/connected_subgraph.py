@@ -141,7 +141,7 @@ class _Network:
             if searcher.end is not None:
                 back = grid.distances_from(grid.index(searcher.end))
                 ends[grid.index(searcher.end)] += 1
-            within |= (there >= 0) & (back >= 0) & (there + back <= searcher.budget)
+            within |= (there >= 0) & (back >= 0) & (there + back <= searcher.steps)
         table = problem.gains.table[within]
         unit = float(curve[-1]) / len(curve) if len(curve) else 0.0
         neighbours = _renumbered(grid.neighbours, within)
@@ -153,7 +153,7 @@ class _Network:
             free=free[within],
             ends=ends[within],
             n_open=sum(searcher.end is None for searcher in problem.searchers),
-            steps=sum(searcher.budget for searcher in problem.searchers),
+            steps=sum(searcher.steps for searcher in problem.searchers),
             hover=any(isinstance(each, CellMoves) and each.kind == "copter" for each in moves),
             price=float(curve[-1] - (curve[-2] if len(curve) > 1 else 0.0)) / unit if unit > 0 else 0.0,
             unit=unit,

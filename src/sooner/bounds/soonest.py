@@ -75,10 +75,10 @@ def _at_the_start(problem: SearchProblem) -> float:
 
 
 def _budget(problem: SearchProblem) -> int:
-    return max(searcher.budget for searcher in problem.searchers)
+    return max(searcher.steps for searcher in problem.searchers)
 
 
 def _within(problem: SearchProblem, horizon: int) -> SearchProblem:
     """The most by `horizon`, wherever it ends."""
-    searchers = tuple(replace(each, budget=min(each.budget, horizon), end=None) for each in problem.searchers)
+    searchers = tuple(replace(each, budget=min(each.steps, horizon), end=None) for each in problem.searchers)
     return replace(problem, objective=Objective(problem.objective.kind), searchers=searchers)

@@ -57,7 +57,7 @@ class Orienteering:
 
     def plans(self, problem: SearchProblem, rng: Generator) -> Iterator[Incumbent]:
         """Yield once."""
-        cells = _candidates(problem, min(round(self.per_step * problem.searcher.budget), self.clients))
+        cells = _candidates(problem, min(round(self.per_step * problem.searcher.steps), self.clients))
         tour = _tour(problem, cells, self.tour_seconds, int(rng.integers(2**31)))
         plan = Plan.of(fly(problem, cells[tour]))
         yield Incumbent(plan, evaluate(problem, plan).value)
@@ -69,7 +69,7 @@ def _candidates(problem: SearchProblem, limit: int) -> NDArray[np.int64]:
     first = problem.gains.first.copy()
     there = problem.grid.distances_from(reach.start)
     back = problem.grid.distances_from(reach.end) if reach.end >= 0 else np.zeros_like(there)
-    first[(there < 0) | (back < 0) | (there + back > problem.searcher.budget)] = 0.0
+    first[(there < 0) | (back < 0) | (there + back > problem.searcher.steps)] = 0.0
     first[reach.start] = 0.0
     best = np.argsort(-first, kind="stable")[:limit]
     return np.asarray(best[first[best] > 0])
@@ -86,7 +86,7 @@ def _tour(problem: SearchProblem, cells: NDArray[np.int64], seconds: float, seed
     prizes = np.rint(problem.gains.first[cells] / problem.gains.first[cells].max() * PRIZES).astype(int)
     grid = problem.grid
     places = [Location(*grid.centres_m[cell]) for cell in (grid.index(problem.searcher.start), cells[0], *cells)]
-    vehicle = VehicleType(start_depot=0, end_depot=1, max_distance=problem.searcher.budget, unit_distance_cost=1)
+    vehicle = VehicleType(start_depot=0, end_depot=1, max_distance=problem.searcher.steps, unit_distance_cost=1)
     data = ProblemData(
         places,
         [Client(location=n, prize=max(int(prize), 1), required=False) for n, prize in enumerate(prizes, 2)],
@@ -120,7 +120,7 @@ def _steps_between(problem: SearchProblem, cells: NDArray[np.int64]) -> Any:
         steps[row, 0], steps[row, 2:] = there[reach.start], there[cells]
         steps[row, 1] = there[reach.end] if reach.end >= 0 else 0
     steps[1, :] = steps[:, 1] if reach.end >= 0 else 0
-    return np.where(steps < 0, 10 * problem.searcher.budget + 10, steps)  # no way at all: further than any flight
+    return np.where(steps < 0, 10 * problem.searcher.steps + 10, steps)  # no way at all: further than any flight
 
 
 def fly(problem: SearchProblem, tour: Sequence[int] | NDArray[np.int64]) -> list[int]:
@@ -133,7 +133,7 @@ def fly(problem: SearchProblem, tour: Sequence[int] | NDArray[np.int64]) -> list
     for stop in [*map(int, tour), *([reach.end] if reach.end >= 0 else [])]:
         ahead.discard(stop)
         link = _link(problem.grid, path[-1], stop, _pay(problem, looks, ahead))
-        left = problem.searcher.budget - len(path) + 1 - len(link)
+        left = problem.searcher.steps - len(path) + 1 - len(link)
         if left < 0 or not reach.can_go_on(stop, -1, left):
             continue  # PyVRP may answer with a tour that is too long: what does not fit is left out
         for cell in link:
@@ -172,7 +172,7 @@ def _link(grid: Grid, start: int, stop: int, pay: NDArray[np.float64]) -> list[i
 
 def _spend(problem: SearchProblem, reach: Reach, path: list[int], looks: NDArray[np.int64]) -> None:
     """Greedy to the end of the battery."""
-    while len(path) <= problem.searcher.budget:
+    while len(path) <= problem.searcher.steps:
         here = path[-1]
         near = np.array([here, *(n for n in problem.grid.neighbours[here] if n >= 0)])
         path.append(int(near[np.argmax(problem.gains.of(near, looks[near]))]))

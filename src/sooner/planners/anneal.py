@@ -229,7 +229,7 @@ class _Ground:
         self.problem = problem
         self.neighbours, self.where = grid.neighbours, _coordinates(grid)
         self.start, self.end, self.previous = reach.start, reach.end, reach.came_from
-        self.limit = problem.searcher.budget + 1
+        self.limit = problem.searcher.steps + 1
         self.wing, self.pinned = reach.fixed_wing, reach.end >= 0
         self.strict = self.wing and (self.pinned or bool((reach.arrays[-1] < FOREVER).any()))
         self.to_end = grid.distances_from(self.end) if self.pinned else np.zeros(grid.n_cells, np.int32)

@@ -46,7 +46,7 @@ class Bourgault:
         posterior, miss = poc(problem.gains), problem.gains.ratio
         path, came_from = [reach.start], reach.came_from
         posterior[reach.start] *= miss[reach.start]
-        for steps_left in range(problem.searcher.budget - 1, -1, -1):
+        for steps_left in range(problem.searcher.steps - 1, -1, -1):
             here = path[-1]
             north, east, south, west = (int(cell) for cell in problem.grid.neighbours[here])
             barred = came_from if reach.fixed_wing else -1

@@ -112,7 +112,7 @@ class Field:
     @property
     def budget(self) -> int:
         """Steps T."""
-        return self.problem.searcher.budget
+        return self.problem.searcher.steps
 
     @cached_property
     def reach(self) -> Reach:

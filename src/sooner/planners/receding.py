@@ -57,7 +57,7 @@ class Receding:
 
     def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
         """Yield after every tick of the inner planner, always a whole flight."""
-        begins = range(0, problem.searcher.budget, self.every)
+        begins = range(0, problem.searcher.steps, self.every)
         best: Incumbent | None = None
         share: float | None = 0.0
         for number, begin in enumerate(begins):

@@ -89,7 +89,7 @@ class _Bracket:
 
     @classmethod
     def of(cls, problem: SearchProblem) -> _Bracket:
-        target, budget = problem.objective.target or inf, problem.searcher.budget
+        target, budget = problem.objective.target or inf, problem.searcher.steps
         reference = problem.teleport
         soonest = reference.time_to(target)
         least = int(min(soonest, budget))
@@ -133,11 +133,11 @@ def _better(problem: SearchProblem, best: Incumbent, asked: SearchProblem, plan:
     time = score.time_to(target)
     if time == inf and best.value == -inf:  # nothing has reached the target yet: keep what comes closest
         closer = score.total > evaluate(problem, best.plan).total
-        return Incumbent(plan, -inf) if closer and asked.searcher.budget == problem.searcher.budget else best
+        return Incumbent(plan, -inf) if closer and asked.searcher.steps == problem.searcher.steps else best
     if -time <= best.value:
         return best
     whole = plan
-    if asked.searcher.budget < problem.searcher.budget:
+    if asked.searcher.steps < problem.searcher.steps:
         try:
             whole = _flown_on(problem, plan.actions[0][: int(time) + 1])
         except InfeasibleProblemError:  # from there it could not get home

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.errors import InvalidProblemError
+from sooner.errors import InfeasibleProblemError, InvalidProblemError
 
 if TYPE_CHECKING:
     from sooner.grid import Grid
@@ -33,6 +33,9 @@ class Looks:
 
 class Moves(Protocol):
     """What a model of moves must answer; cells here, regions and waypoints beside it."""
+
+    def check(self, grid: Grid, searcher: Searcher) -> None:
+        """Raise InvalidProblemError where no plan can be posed, InfeasibleProblemError where none is legal."""
 
     def n_items(self, grid: Grid) -> int:
         """How many rows the gain table has: cells here, atoms where regions move."""
@@ -66,6 +69,35 @@ class CellMoves:
         if not (np.isfinite(self.step_s) and self.step_s > 0):
             raise InvalidProblemError(f"a step of {self.step_s} s came; expected a positive number")
 
+    def check(self, grid: Grid, searcher: Searcher) -> None:
+        """A whole number of steps; an end in reach."""
+        if not isinstance(searcher.budget, int | np.integer):
+            raise InvalidProblemError(f"a budget of {searcher.budget} steps came; expected a whole number")
+        if searcher.budget < 1:
+            raise InvalidProblemError(f"a budget of {searcher.budget} steps came; expected at least 1")
+        start = grid.index(searcher.start)
+        if searcher.came_from is not None and start not in grid.neighbours[grid.index(searcher.came_from)]:
+            raise InvalidProblemError(
+                f"came_from {list(searcher.came_from)} came; expected a neighbour of the start {list(searcher.start)}"
+            )
+        if searcher.end is not None:
+            self._check_end(grid, searcher, int(grid.distances_from(start)[grid.index(searcher.end)]))
+
+    def _check_end(self, grid: Grid, searcher: Searcher, steps: int) -> None:
+        """Distance, and parity: on a chessboard, who cannot wait ends after T steps on a cell of T's colour."""
+        start, end = list(searcher.start), list(searcher.end or ())
+        if steps < 0:
+            raise InfeasibleProblemError(f"end {end} cannot be reached from {start}")
+        if steps > searcher.steps:
+            raise InfeasibleProblemError(
+                f"end {end} lies {steps} steps from the start {start}; the budget is {searcher.steps} steps"
+            )
+        if self.kind == "fixed_wing" and grid.connectivity == "square4" and (searcher.steps - steps) % 2:
+            raise InfeasibleProblemError(
+                f"end {end} lies {steps} steps from the start {start}: a fixed wing, which cannot hover, is never "
+                f"there after {searcher.steps} steps; give {searcher.steps - 1} or {searcher.steps + 1} steps"
+            )
+
     def n_items(self, grid: Grid) -> int:
         """One row for each cell."""
         return grid.n_cells
@@ -74,8 +106,8 @@ class CellMoves:
         """Why this sequence of cells cannot be flown, or None if it can."""
         if actions.ndim != 1 or len(actions) == 0:
             return "it has no cells; expected at least the start cell"
-        if len(actions) - 1 > searcher.budget:
-            return f"it takes {len(actions) - 1} steps; the budget is {searcher.budget}"
+        if len(actions) - 1 > searcher.steps:
+            return f"it takes {len(actions) - 1} steps; the budget is {searcher.steps}"
         outside = (actions < 0) | (actions >= grid.n_cells)
         if outside.any():
             return f"step {int(np.argmax(outside))} lies outside the map"

@@ -51,9 +51,9 @@ class Reach:
     def check(self) -> None:
         """Raise InfeasibleProblemError unless the searcher can fly its whole budget from the start."""
         start, came_from = self.start, self.came_from
-        if not self.can_go_on(start, came_from, self.searcher.budget):
+        if not self.can_go_on(start, came_from, self.searcher.steps):
             raise InfeasibleProblemError(
-                f"no flight of {self.searcher.budget} steps from {list(self.searcher.start)}"
+                f"no flight of {self.searcher.steps} steps from {list(self.searcher.start)}"
                 + (f" to {list(self.searcher.end)}" if self.searcher.end is not None else "")
                 + " keeps every rule: a fixed wing is stuck before; give other steps, or a copter"
             )

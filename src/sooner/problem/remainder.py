@@ -64,6 +64,6 @@ def _ahead(problem: SearchProblem, flown: NDArray[np.int64]) -> Searcher:
     return replace(
         searcher,
         start=problem.grid.cell(int(flown[-1])),
-        budget=searcher.budget - (len(flown) - 1),
+        budget=searcher.steps - (len(flown) - 1),
         came_from=came_from,
     )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.errors import InfeasibleProblemError, InvalidProblemError
+from sooner.errors import InvalidProblemError
 from sooner.grid import Grid
 from sooner.problem.gains import Gains
 from sooner.problem.moves import CellMoves, Moves
@@ -54,17 +54,23 @@ class Searcher:
     Parameters
     ----------
     start : (row, col)
-    budget : int               steps T for cell moves: a plan has at most T + 1 cells, the start among them
+    budget : number            the time it flies, in the unit of its moves: steps T over cells (a plan has at most T + 1
+                               cells, the start among them), seconds over regions
     end : (row, col) or None   where it must be at the end of its plan
     moves : Moves
     came_from : (row, col)     the cell before the start, where a fixed wing is already in flight; None: heading free
     """
 
     start: tuple[int, int]
-    budget: int
+    budget: int | float
     end: tuple[int, int] | None = None
     moves: Moves = CellMoves()
     came_from: tuple[int, int] | None = None
+
+    @property
+    def steps(self) -> int:
+        """The budget of a searcher that moves over cells."""
+        return int(self.budget)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,40 +150,12 @@ class SearchProblem:
 
 
 def _check_searcher(grid: Grid, searcher: Searcher) -> None:
-    whole = (*searcher.start, *(searcher.end or ()), *(searcher.came_from or ()), searcher.budget)
+    whole = (*searcher.start, *(searcher.end or ()), *(searcher.came_from or ()))
     if not all(isinstance(number, int | np.integer) for number in whole):
-        raise InvalidProblemError(f"cells and steps of {searcher} came; expected whole numbers")
+        raise InvalidProblemError(f"cells of {searcher} came; expected whole numbers")
     start = grid.index(searcher.start)
     if not grid.passable[start]:
         raise InvalidProblemError(f"start {list(searcher.start)} came; an obstacle stands there")
-    if searcher.budget < 1:
-        raise InvalidProblemError(f"a budget of {searcher.budget} steps came; expected at least 1")
-    if searcher.came_from is not None and start not in grid.neighbours[grid.index(searcher.came_from)]:
-        raise InvalidProblemError(
-            f"came_from {list(searcher.came_from)} came; expected a neighbour of the start {list(searcher.start)}"
-        )
-    if isinstance(searcher.moves, CellMoves):
-        _check_end(grid, searcher, searcher.moves)
-
-
-def _check_end(grid: Grid, searcher: Searcher, moves: CellMoves) -> None:
-    """Distance, and parity: on a chessboard, who cannot wait ends after T steps on a cell of T's colour."""
-    if searcher.end is None:
-        return
-    end = grid.index(searcher.end)
-    if not grid.passable[end]:
+    if searcher.end is not None and not grid.passable[grid.index(searcher.end)]:
         raise InvalidProblemError(f"end {list(searcher.end)} came; an obstacle stands there")
-    steps = int(grid.distances_from(grid.index(searcher.start))[end])
-    if steps < 0:
-        raise InfeasibleProblemError(f"end {list(searcher.end)} cannot be reached from {list(searcher.start)}")
-    if steps > searcher.budget:
-        raise InfeasibleProblemError(
-            f"end {list(searcher.end)} lies {steps} steps from the start {list(searcher.start)}; "
-            f"the budget is {searcher.budget} steps"
-        )
-    if moves.kind == "fixed_wing" and grid.connectivity == "square4" and (searcher.budget - steps) % 2:
-        raise InfeasibleProblemError(
-            f"end {list(searcher.end)} lies {steps} steps from the start {list(searcher.start)}: a fixed wing, which "
-            f"cannot hover, is never there after {searcher.budget} steps; give {searcher.budget - 1} or "
-            f"{searcher.budget + 1} steps"
-        )
+    searcher.moves.check(grid, searcher)

@@ -69,7 +69,7 @@ def teleport(problem: SearchProblem) -> Teleport:
     for searcher in problem.searchers:
         within, delay, spare = _reach(problem.grid, searcher, pays)
         reachable |= within
-        glimpses += max(searcher.budget + 1 - spare, 0)
+        glimpses += max(searcher.steps + 1 - spare, 0)
         delays.append(delay)
     curve = np.cumsum(_best_glimpses(problem, reachable & pays, glimpses))
     return Teleport(float(curve[-1]) if len(curve) else 0.0, curve, min(delays), len(problem.searchers))
@@ -81,9 +81,9 @@ def _reach(grid: Grid, searcher: Searcher, pays: NDArray[np.bool_]) -> tuple[NDA
         raise UnsupportedProblemError("teleport needs moves over cells")
     there = grid.distances_from(grid.index(searcher.start))
     back = np.zeros_like(there) if searcher.end is None else grid.distances_from(grid.index(searcher.end))
-    within = (there >= 0) & (back >= 0) & (there + back <= searcher.budget)
+    within = (there >= 0) & (back >= 0) & (there + back <= searcher.steps)
     if not (within & pays).any():
-        return within, searcher.budget + 1, searcher.budget + 1
+        return within, searcher.steps + 1, searcher.steps + 1
     delay = int(there[within & pays].min())
     return within, delay, delay + int(back[within & pays].min())
 

@@ -235,7 +235,7 @@ def figure_5(flown: Flown) -> Figure:
     for ax, share, title in zip(axes, (0.75, 0.5, 0.25), titles, strict=True):
         start = _Climbs(problem)
         path1 = start.climbed((30, 30), cells[0])
-        left = problem.searcher.budget - len(path1) + 1
+        left = problem.searcher.steps - len(path1) + 1
         path2 = start.climbed(cells[0], centre, round(share * left))
         path3 = start.climbed(cells[1], centre, left - round(share * left))
         path = [*path1, *path2[1:], *path3[::-1][1:]]
