@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import socket
 import sqlite3
@@ -18,6 +19,8 @@ from typing import Any
 
 import psutil
 import pytest
+
+from sooner.campaigns.provenance import PACKAGE
 
 pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="distributed is not installed")
 
@@ -227,7 +230,7 @@ from distributed import LocalCluster
 from sooner.campaigns import read_study, run_study
 
 if __name__ == "__main__":
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, processes=False) as cluster:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         with run_study(read_study(Path(sys.argv[1])), Path(sys.argv[2]), scheduler=cluster.scheduler_address) as ran:
             print(ran.progress.done)
 """
@@ -256,3 +259,253 @@ def test_a_killed_worker_costs_the_trial_it_flew(dask: Dask) -> None:
     dask.ran(client)
     assert {trial for trial, times in _flown(dask.folder).items() if times > 1} == {"a 2"}
     assert _answers(dask.folder / "out") == _of_the_pool(dask)
+
+
+def test_a_campaign_outlasts_all_of_its_workers(dask: Dask) -> None:
+    _waiting(dask, 1, 3)
+    dask.scheduler()
+    gone = dask.worker("--nworkers", "2", "--nanny")
+    client = dask.client()
+    _until(lambda: {"a 1", "a 3"} <= set(_flown(dask.folder)), "two trials are in the air")
+    _kill(gone)
+    _until(lambda: not _slots(dask), "their processes went with the workers")
+    before = set(_flown(dask.folder).elements())
+    time.sleep(1.0)
+    assert client.poll() is None
+    assert set(_flown(dask.folder).elements()) == before
+    _go(dask)
+    dask.worker("--nthreads", "2")
+    dask.ran(client)
+    assert {trial for trial, times in _flown(dask.folder).items() if times > 1} == {"a 1", "a 3"}
+    assert _answers(dask.folder / "out") == _of_the_pool(dask)
+
+
+def test_a_campaign_outlasts_its_scheduler(dask: Dask) -> None:
+    _waiting(dask, 2)
+    scheduler, worker = dask.scheduler(), dask.worker()
+    client = dask.client()
+    _until(lambda: "a 2" in _flown(dask.folder), "the trial is in the air")
+    _kill(scheduler)
+    _until(lambda: not _slots(dask), "the worker ends what nobody waits for")
+    _kill(worker)
+    _go(dask)
+    dask.scheduler()
+    dask.worker()
+    said = dask.ran(client)
+    assert said.split() == ["12"]  # tracebacks of Dask stay away from the user
+    assert {trial for trial, times in _flown(dask.folder).items() if times > 1} == {"a 2"}
+    assert _answers(dask.folder / "out") == _of_the_pool(dask)
+
+
+def test_a_killed_client_goes_on_where_it_was(dask: Dask) -> None:
+    _waiting(dask, 2)
+    dask.scheduler()
+    dask.worker()
+    client = dask.client()
+    _until(lambda: "a 2" in _flown(dask.folder), "the trial is in the air")
+    _until(lambda: len(_ledger(dask.folder / "out", "SELECT trial_id FROM answers")) == 4, "the others are recorded")
+    _kill(client)
+    _until(lambda: not _slots(dask), "the worker ends what nobody waits for")
+    _go(dask)
+    assert dask.ran(dask.client()).split() == ["12"]
+    assert {trial for trial, times in _flown(dask.folder).items() if times > 1} == {"a 2"}
+    assert _answers(dask.folder / "out") == _of_the_pool(dask)
+
+
+def test_ctrl_c_ends_the_campaign_and_what_it_flew(dask: Dask) -> None:
+    _waiting(dask, 0)
+    dask.scheduler()
+    dask.worker()
+    client = dask.client()
+    _until(lambda: "a 0" in _flown(dask.folder), "the trial is in the air")
+    client.send_signal(signal.SIGINT)
+    client.wait(PATIENCE_S)
+    _until(lambda: not _slots(dask), "nothing of it is left on the worker")
+    assert dask.said(client).rstrip().endswith("KeyboardInterrupt")
+    assert "distributed" not in dask.said(client).replace("distributed/", "")
+    assert set(_ledger(dask.folder / "out", "SELECT state, attempts FROM trials")) == {(3, 0)}
+
+
+# ----------------------------------------------------------------------------------------- trials that misbehave
+
+
+MISBEHAVE = '''
+"""Trials that die, hang, eat and raise, between others that do not."""
+import os
+import time
+
+
+def fly(trial, place):
+    if trial.seed == 1:
+        getattr(Misbehaviour, trial.case.planner)()
+    return {"value": trial.seed}
+
+
+class Misbehaviour:
+    def dies():
+        os.abort()
+
+    def hangs():
+        time.sleep(600)
+
+    def eats():
+        eaten = []
+        while True:
+            eaten.append(bytearray(10_000_000))
+            time.sleep(0.005)
+
+    def raises():
+        raise RuntimeError("no such luck")
+'''
+
+
+ENDINGS = {("dies", "crash"): 2, ("hangs", "hang"): 2, ("eats", "memory"): 2, ("raises", "error"): 2}
+
+
+def test_a_trial_that_misbehaves_is_contained_as_in_the_pool(dask: Dask) -> None:
+    (dask.folder / "work.py").write_text(MISBEHAVE)
+    planners = "dies = { }\nhangs = { }\neats = { }\nraises = { }\n"
+    study = STUDY.replace("a = { }\nb = { }\n", planners).replace("trials = 6", "trials = 3")
+    (dask.folder / "study.toml").write_text(study.replace("seconds = 60", "seconds = 2\nmemory_mb = 400"))
+    dask.scheduler()
+    worker = dask.worker("--nthreads", "2")
+    assert dask.ran(dask.client()).split() == ["8"]
+    assert worker.poll() is None
+    assert "Restarting" not in dask.said(worker)
+    endings = _failures(dask.folder / "out")
+    assert endings == ENDINGS
+    assert _answers(dask.folder / "out") == _of_the_pool(dask)
+    assert endings == _failures(dask.folder / "pool")
+
+
+def _failures(folder: Path) -> Counter[tuple[Any, ...]]:
+    """How the attempts at each planner's trials went wrong."""
+    sql = "SELECT planner, ending FROM failures JOIN trials ON trials.id = trial_id JOIN cases ON cases.id = case_id"
+    return Counter(_ledger(folder, sql))
+
+
+# ----------------------------------------------------------------------------------------------- what it says and holds
+
+
+ONE = '''
+"""One trial on a cluster, without a campaign around it."""
+import sys
+
+from sooner.campaigns.cluster import Cluster
+from sooner.campaigns.trial import Case, Limits, Place, Trial
+from sooner.errors import SoonerError
+
+crew = Cluster(sys.argv[1], Place("work:fly", "."), Limits(60.0), patience_s=float(sys.argv[2]))
+try:
+    crew.start(Trial(Case("i", "p", None, "{}"), 0))
+    while not (ended := crew.ended(1.0)):
+        pass
+    print(ended)
+except SoonerError as error:
+    print(f"{type(error).__name__}: {error}")
+finally:
+    crew.close()
+'''
+
+
+@pytest.mark.parametrize(
+    ("address", "says"),
+    [
+        ("tcp://127.0.0.1:1", "Connection refused"),
+        ("127.0.0.1", "missing port number"),
+        ("carrier-pigeon://127.0.0.1:8786", "unknown address scheme"),
+    ],
+    ids=["nobody there", "no port", "no such scheme"],
+)
+def test_an_address_without_a_scheduler_is_told(dask: Dask, address: str, says: str) -> None:
+    said = _one(dask, address, 0.5)
+    assert said.startswith(f"DataFormatError: --scheduler: {address!r} came, and no scheduler of Dask answers there")
+    assert says in said
+    assert "expected an address as tcp://" in said
+    assert len(said.splitlines()) == 1
+
+
+def test_without_dask_it_says_what_to_install(dask: Dask) -> None:
+    (dask.folder / "distributed.py").write_text("raise ImportError")
+    assert _one(dask, dask.address) == "UnsupportedProblemError: a cluster needs Dask: pip install 'sooner[cluster]'"
+
+
+WITHOUT = '''
+"""Read by Python when it starts: here, nobody has installed sooner."""
+import sys
+
+sys.modules["sooner"] = None
+'''
+
+
+def test_a_worker_without_sooner_is_told(dask: Dask) -> None:
+    (dask.folder / "bare").mkdir()
+    (dask.folder / "bare" / "sitecustomize.py").write_text(WITHOUT)
+    dask.scheduler()
+    worker = dask.worker(PYTHONPATH=str(dask.folder / "bare"))
+    said = _one(dask, dask.address)
+    assert said.startswith("DataFormatError: --scheduler: a worker cannot fly for us")
+    assert "expected sooner, in this version, wherever a worker of Dask runs" in said
+    assert worker.poll() is None  # it may have others to serve
+
+
+def test_the_scheduler_needs_no_sooner(dask: Dask) -> None:
+    (dask.folder / "bare").mkdir()
+    (dask.folder / "bare" / "sitecustomize.py").write_text(WITHOUT)
+    dask.scheduler(PYTHONPATH=str(dask.folder / "bare"))
+    dask.worker()
+    assert dask.ran(dask.client()).split() == ["12"]
+
+
+def _one(dask: Dask, address: str, patience_s: float = PATIENCE_S) -> str:
+    (dask.folder / "one.py").write_text(ONE)
+    return dask.ran(dask.start(sys.executable, "one.py", address, str(patience_s))).strip()
+
+
+def test_a_worker_with_other_source_is_refused(dask: Dask) -> None:
+    other = dask.folder / "other" / "sooner"
+    shutil.copytree(PACKAGE, other, ignore=shutil.ignore_patterns("__pycache__"))
+    (other / "__init__.py").write_text((other / "__init__.py").read_text() + "\n# changed\n")
+    dask.scheduler()
+    dask.worker(PYTHONPATH=str(other.parent))
+    client = dask.client()
+    assert client.wait(PATIENCE_S) == 1
+    assert "a worker answered with other code or other maps than ours" in dask.said(client)
+    assert _ledger(dask.folder / "out", "SELECT * FROM answers") == []
+    _until(lambda: not _slots(dask), "no process of it is left")
+
+
+MANY = '''
+"""Many empty trials; says how many were under way at once at most."""
+import sys
+from pathlib import Path
+
+from sooner.campaigns import cluster, read_study, run_study
+
+
+class Counted(cluster.Cluster):
+    under_way = most = 0
+
+    def start(self, trial):
+        super().start(trial)
+        Counted.under_way += 1
+        Counted.most = max(Counted.most, Counted.under_way)
+
+    def ended(self, wait_s):
+        found = super().ended(wait_s)
+        Counted.under_way -= len(found)
+        return found
+
+
+cluster.Cluster = Counted
+with run_study(read_study(Path(sys.argv[1])), Path(sys.argv[2]), scheduler=sys.argv[3], trials=250) as ran:
+    print(ran.progress.done, Counted.most)
+'''
+
+
+def test_only_two_trials_for_each_thread_are_under_way(dask: Dask) -> None:
+    (dask.folder / "many.py").write_text(MANY)
+    dask.scheduler()
+    dask.worker("--nthreads", "2")
+    many = dask.start(sys.executable, "many.py", str(dask.folder), str(dask.folder / "out"), dask.address)
+    assert dask.ran(many).split() == ["500", "4"]

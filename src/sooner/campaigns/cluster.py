@@ -30,6 +30,7 @@ PATIENCE_AGAIN_S = 300.0  # for one that was
 COUNT_S = 1.0  # between two looks at how many workers there are
 LAND_S = 5.0  # for each step of a farewell
 NOISY = ("distributed", "distributed.client", "distributed.gc", "tornado", "tornado.application", "asyncio")
+FLOWN, LAND = seats.carrier("flown"), seats.carrier("land")
 
 
 class Cluster:
@@ -117,9 +118,9 @@ class Cluster:
         key = f"sooner-{self.campaign}-{next(self._numbers)}"
         future = None
         try:
-            args = self.campaign, trial, self.place, self.limits
-            future = client.submit(seats.flown, *args, key=key, pure=False, retries=0)
-            self._ended.put(await future)
+            text = seats.asked(self.campaign, trial, self.place, self.limits)
+            future = client.submit(FLOWN, text, key=key, pure=False, retries=0)
+            self._ended.put(seats.told(trial, await future))
         except (Exception, asyncio.CancelledError) as error:
             failed = future is not None and future.status == "error"
             self._ended.put(_failed(trial, error) if failed else Outcome(trial, "lost", reason=str(error)))
@@ -143,7 +144,7 @@ def _failed(trial: Trial, error: BaseException) -> Outcome | DataFormatError:
         return Outcome(trial, "lost", reason=reason)
     if isinstance(error, ImportError):
         came = f"a worker cannot fly for us ({reason})"
-        expected = "expected sooner, in this version, where the scheduler runs and where each worker runs"
+        expected = "expected sooner, in this version, wherever a worker of Dask runs"
         return DataFormatError(Fault("--scheduler", "", came, expected))
     return Outcome(trial, "error", reason=reason)
 
@@ -231,7 +232,7 @@ class _Link:
             return
         if self.client.status == "running":
             with suppress(Exception):
-                await asyncio.wait_for(self.client.run(seats.land, campaign, on_error="ignore"), LAND_S)
+                await asyncio.wait_for(self.client.run(LAND, campaign, on_error="ignore"), LAND_S)
         with suppress(Exception):
             await asyncio.wait_for(self.client.close(), LAND_S)
 

@@ -2,21 +2,26 @@
 
 A trial that nobody waits for any more (the campaign was interrupted, or killed, or its scheduler is gone) would keep
 its seat until it ends, or for ever where it hangs. So every second somebody looks: such a trial is ended, and so are
-processes that have had nothing to do for a while. `Cluster` sends trials here.
+processes that have had nothing to do for a while.
+
+`Cluster` sends trials here, and answers go back, as text: where sooner is not installed, objects of its classes would
+end the worker or the scheduler that Dask hands them to.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import threading
 import time
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from sooner.campaigns.slot import Slot
-from sooner.campaigns.trial import Limits, Outcome, Place, Trial
+from sooner.campaigns.trial import Case, Limits, Outcome, Place, Trial
 
-__all__ = ["flown", "land"]
+__all__ = ["asked", "carrier", "flown", "land", "told"]
 
 LOOK_S = 1.0
 IDLE_S = 60.0  # with no trial; the next one pays for a new start
@@ -52,8 +57,40 @@ _landed: set[str] = set()
 _door = threading.Lock()  # of the two above
 
 
-def flown(campaign: str, trial: Trial, place: Place, limits: Limits) -> Outcome:
+def carrier(name: str) -> Callable[[str], str]:
+    """A function of this module for Dask to carry: by value, so that a worker without sooner can say that it has none.
+
+    Dask carries what a module defines by its name, and loses the worker where there is no such module.
+    """
+
+    def called(text: str) -> str:
+        from importlib import import_module
+
+        said: str = getattr(import_module("sooner.campaigns.seats"), name)(text)
+        return said
+
+    return called
+
+
+def asked(campaign: str, trial: Trial, place: Place, limits: Limits) -> str:
+    """What `flown` takes."""
+    return json.dumps([campaign, trial.case.key, trial.seed, asdict(place), asdict(limits)])
+
+
+def told(trial: Trial, text: str) -> Outcome:
+    """What `flown` answered."""
+    return Outcome(trial, **json.loads(text))
+
+
+def flown(text: str) -> str:
     """Fly in this thread's seat."""
+    campaign, key, seed, place, limits = json.loads(text)
+    place["data_files"] = tuple(place["data_files"])
+    outcome = _flown(campaign, Trial(Case.from_key(key), seed), Place(**place), Limits(**limits))
+    return json.dumps({name: value for name, value in vars(outcome).items() if name != "trial"})
+
+
+def _flown(campaign: str, trial: Trial, place: Place, limits: Limits) -> Outcome:
     seat = _seated(campaign, place, limits)
     if seat is None:
         return Outcome(trial, "lost", reason="the campaign is over")
@@ -65,12 +102,13 @@ def flown(campaign: str, trial: Trial, place: Place, limits: Limits) -> Outcome:
     return Outcome(trial, "lost", reason="its worker was closed, or nobody waited for it") if seat.left else outcome
 
 
-def land(campaign: str) -> None:
+def land(campaign: str) -> str:
     """The campaign is over: end its processes, and begin none for trials that are still on their way."""
     with _door:
         _landed.add(campaign)
         for key in [key for key in _seats if key[0] == campaign]:
             _seats.pop(key).leave()
+    return campaign
 
 
 def _seated(campaign: str, place: Place, limits: Limits) -> _Seat | None:
