@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,6 +77,28 @@ class RegionGround:
     def arrays(self) -> tuple[NDArray[np.int64], ...]:
         """What kernels take: starts, atoms, cover_starts, covers, way_starts, ways, ends."""
         return self.starts, self.atoms, self.cover_starts, self.covers, self.way_starts, self.ways, self.ends
+
+    def ways_from(self, region: int) -> list[tuple[int, int]]:
+        """Actions that can begin in a region, its search first, each with the region where it ends."""
+        ways = self.ways[self.way_starts[region] : self.way_starts[region + 1]].tolist()
+        return [(action, int(self.ends[action].sum()) - region) for action in ways]
+
+    def walked(self, actions: Iterable[int]) -> int:
+        """Region in which a walk of these actions ends."""
+        here = self.first
+        for action in actions:
+            here = int(self.ends[action].sum()) - here
+        return here
+
+    def homeward(self, region: int) -> list[int]:
+        """Edges of the quickest way from a region to where the walk must end; none where it may end anywhere."""
+        edges: list[int] = []
+        while self.last not in (-1, region):
+            action, region = min(
+                self.ways_from(region)[1:], key=lambda way: float(self.seconds[way[0]] + self.to_last[way[1]])
+            )
+            edges.append(action)
+        return edges
 
     @staticmethod
     def of(problem: SearchProblem) -> RegionGround:
