@@ -6,10 +6,10 @@ from hypothesis import given, settings
 
 from sooner.grid import Grid
 from sooner.planners import _anneal_kernels as kernels
-from sooner.planners import anneal as anneal_module
 from sooner.planners import max_ticks, never, solve
 from sooner.planners.anneal import Anneal, _coarse_walk, _Ground, _Walk
 from sooner.planners.planner import follow
+from sooner.planners.rounds import Rounds
 from sooner.problem import CellMoves, Gains, Reach, Searcher, SearchProblem, evaluate
 from tests.oracles.walks import optimum, total, walks
 from tests.strategies import problems
@@ -236,7 +236,7 @@ def test_reach_finds_the_dead_ends_that_keep_a_walk_at_full_length() -> None:
 
 def test_a_long_run_on_a_short_flight_is_cut_into_rounds():
     """One slow cooling may freeze in the wrong place; so a run is as many rounds as fit, all of the same length."""
-    rounds, begun = anneal_module._Rounds(longest=400), 0
+    rounds, begun = Rounds(longest=400), 0
     share, lengths = 0.0, []
     while share < 1.0:
         rounds, begun = rounds.begun(share), begun + 1
@@ -250,7 +250,7 @@ def test_a_long_run_on_a_short_flight_is_cut_into_rounds():
 
 
 def test_where_nobody_knows_how_long_it_lasts_each_round_is_twice_as_long():
-    rounds, ticks = anneal_module._Rounds(longest=400), []
+    rounds, ticks = Rounds(longest=400), []
     for _ in range(3):
         rounds = rounds.begun(None)
         while rounds.now(None) < 1.0:

@@ -23,6 +23,7 @@ from sooner.grid import Grid
 from sooner.planners import _anneal_kernels as kernels
 from sooner.planners.greedy import Greedy
 from sooner.planners.planner import Planner, Ticks, single_cell_searcher
+from sooner.planners.rounds import FIRST_ROUND, Rounds
 from sooner.problem import Incumbent, Plan, Reach, SearchProblem, evaluate
 
 __all__ = ["Anneal"]
@@ -34,8 +35,6 @@ POLISH = 0.001  # a temperature at which nothing but improvement is accepted
 FILL = -1e3  # price of a step where the walk must have all the steps of the budget
 FILL_MOVES = 30  # for each step, to fill the first walk up
 FOREVER = 2**31 - 1  # in `Reach`: a fixed wing that is never stuck
-FIRST_ROUND = 64  # ticks of the first round where the stop rule has no horizon
-PACED = 8, 40  # between these ticks a round sees what part of the run a tick takes; starts are made before
 SHORT_TICK = 200  # moves of a tick on the smallest of problems; more with the square of the budget
 ROUTE_MOVES = 200  # for each piece, of one answer to the coarse question; of at most a thousand pieces
 SPARE_NODES = 8  # rows beyond the budget, in use in the middle of a move
@@ -90,7 +89,7 @@ class Anneal:
         share = yield best.incumbent
         if problem.teleport.value == 0.0:  # nothing can be found from here, so every plan is best
             return
-        rounds = _Rounds(self._longest_round(ground))
+        rounds = Rounds(self._longest_round(ground))
         with ThreadPoolExecutor(self.threads) as pool:
             while True:
                 walks: list[_Walk] = []
@@ -165,32 +164,6 @@ class Anneal:
 
 def _first_plan(planner: Planner, problem: SearchProblem, rng: Generator) -> Walk:
     return next(iter(planner.plans(problem, rng))).plan.actions[0].astype(np.int32)
-
-
-class _Rounds:
-    """When a round of annealing begins and ends: in equal parts of the run, none much longer than `longest` ticks;
-    where nobody knows how long the run is, twice as long each time.
-    """
-
-    def __init__(self, longest: int, ticks: int = FIRST_ROUND, begin: float | None = None) -> None:
-        self.longest, self.ticks, self.begin = longest, ticks, begin
-        self.tick, self.width, self.mark = 0, 0.0, 0.0
-
-    def begun(self, share: float | None) -> _Rounds:
-        """The next round, at this share of the run."""
-        known = share is not None and share < 1.0
-        return _Rounds(self.longest, self.ticks if known or not self.tick else 2 * self.ticks, share if known else None)
-
-    def now(self, share: float | None) -> float:
-        """How much of the round is over, in [0, 1]."""
-        if self.begin is None or share is None:
-            return self.tick / self.ticks
-        if self.tick == PACED[0]:
-            self.mark = share
-        elif self.tick == PACED[1] and share > self.mark:  # by now we know what part of the run one tick takes
-            parts = (1.0 - self.begin) * (PACED[1] - PACED[0]) / (share - self.mark) / self.longest
-            self.width = (1.0 - self.begin) / max(round(parts), 1)
-        return (share - self.begin) / (self.width or 1.0 - self.begin)
 
 
 class _Best:
