@@ -3,8 +3,37 @@
 from sooner.scenarios.bimodal import bimodal
 from sooner.scenarios.drifting_hiker import drifting_hiker
 from sooner.scenarios.many_hills import many_hills
+from sooner.scenarios.natural import (
+    EXPERIMENT_2_CELLS,
+    NATURAL_KINDS,
+    NaturalEnvironment,
+    downsampled,
+    experiment_2,
+    natural_environment,
+    natural_environments,
+    starts,
+)
 from sooner.scenarios.registry import SCENARIOS, make_scenario
 from sooner.scenarios.rugged_ridge import rugged_ridge
 from sooner.scenarios.scenario import Scenario
+from sooner.scenarios.simplex_noise import elevation, simplex_noise
 
-__all__ = ["SCENARIOS", "Scenario", "bimodal", "drifting_hiker", "make_scenario", "many_hills", "rugged_ridge"]
+__all__ = [
+    "EXPERIMENT_2_CELLS",
+    "NATURAL_KINDS",
+    "SCENARIOS",
+    "NaturalEnvironment",
+    "Scenario",
+    "bimodal",
+    "downsampled",
+    "drifting_hiker",
+    "elevation",
+    "experiment_2",
+    "make_scenario",
+    "many_hills",
+    "natural_environment",
+    "natural_environments",
+    "rugged_ridge",
+    "simplex_noise",
+    "starts",
+]
