@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from sooner.bibliography import BIBLIOGRAPHY
+from sooner.campaigns.reference import reference_page as study_file_page
 from sooner.cli.main import run
 from sooner.missions.reference import reference_page
 from sooner.planners.registry import PLANNERS
@@ -52,6 +53,11 @@ def test_lessons_are_numbered_without_a_gap():
 def test_the_mission_file_is_explained_as_it_is_checked():
     told = (ROOT / "docs" / "mission_file.md").read_text(encoding="utf-8")
     assert told == reference_page(), "write docs/mission_file.md anew from sooner.missions.reference.reference_page()"
+
+
+def test_the_study_file_is_explained_as_it_is_checked():
+    told = (ROOT / "docs" / "study_file.md").read_text(encoding="utf-8")
+    assert told == study_file_page(), "write docs/study_file.md anew from sooner.campaigns.reference.reference_page()"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)

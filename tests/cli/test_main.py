@@ -1,7 +1,6 @@
 import json
 import subprocess
 import sys
-from types import SimpleNamespace
 
 import pytest
 
@@ -69,21 +68,6 @@ def test_reproduce_without_data_says_what_to_give(sooner, monkeypatch, tmp_path)
     monkeypatch.delenv("SOONER_DATA", raising=False)
     assert "SOONER_DATA" in sooner("reproduce", "lin2014").err
     assert "expected a folder" in sooner("reproduce", "lin2014", "--data", tmp_path / "none").err
-
-
-def test_reproduce_hands_over_what_was_asked_and_tells_what_was_written(sooner, monkeypatch, tmp_path):
-    asked = []
-
-    def study(*arguments):
-        asked.append(arguments)
-        return SimpleNamespace(files=[tmp_path / "reproduced.csv"])
-
-    monkeypatch.setattr("sooner.experiments.reproduce", study)
-    ended = sooner(
-        "reproduce", "lin2014", "--data", tmp_path, "--trials", "3", "--workers", "2", "--out", tmp_path / "o"
-    )
-    assert (ended.status, ended.out) == (0, f"written  {tmp_path / 'reproduced.csv'}\n")
-    assert asked == [("lin2014", tmp_path, 3, 2, tmp_path / "o")]
 
 
 def test_warmup_runs_through_every_planner(sooner):

@@ -208,7 +208,7 @@ def test_a_map_that_cannot_be_read_is_refused_by_name(tmp_path):
 
 @pytest.mark.skipif(not (FOLDER / "reproduced.csv").is_file(), reason="the study has not been run yet")
 def test_every_committed_number_that_differs_has_its_reason():
-    found = compare(read_published(FOLDER), read_reproduced(FOLDER), STUDY.file.rules)
+    found = compare(read_published(FOLDER), read_reproduced(FOLDER), STUDY.rules)
     assert [comparison.published.key for comparison in found if comparison.reason == UNEXPLAINED] == []
     page = (FOLDER / "comparison.md").read_text(encoding="utf-8")
     assert UNEXPLAINED not in page

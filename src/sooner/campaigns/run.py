@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,9 +17,9 @@ from sooner.campaigns.results import Results, collect
 from sooner.campaigns.study import Study
 from sooner.campaigns.tidy import flat
 from sooner.campaigns.trial import Case, Place, Trial
-from sooner.errors import DataFormatError, Fault
+from sooner.errors import DataFormatError, Fault, InvalidProblemError
 
-__all__ = ["LEDGER", "Earlier", "Ran", "find_data", "run_study"]
+__all__ = ["LEDGER", "Earlier", "Ran", "find_data", "refuse_none", "run_study"]
 
 LEDGER = "trials.sqlite"
 Earlier = Literal["ask", "keep", "redo"]
@@ -99,8 +100,11 @@ def run_study(
 
     Raises
     ------
-    DataFormatError           no such data, or a ledger that cannot be used
+    DataFormatError           no such data, a study that its trial cannot fly, or a ledger that cannot be used
+    InvalidProblemError       no trial, or no worker
     """
+    refuse_none(trials, workers)
+    _check(study)
     place = Place(
         study.file.trial,
         str(study.folder.resolve()),
@@ -117,6 +121,19 @@ def run_study(
         ledger.close()
         raise
     return Ran(asked, ledger, progress)
+
+
+def refuse_none(trials: int | None, workers: int | None) -> None:
+    """Raise InvalidProblemError for no trial, or no worker."""
+    if any(number is not None and number < 1 for number in (trials, workers)):
+        raise InvalidProblemError(f"{trials} trials and {workers} workers came; expected at least one of each")
+
+
+def _check(study: Study) -> None:
+    """Ask the trial, where it is sooner's own, whether it can fly the study: before anything is flown."""
+    module = study.file.trial.partition(":")[0]
+    if module.partition(".")[0] == "sooner":
+        getattr(import_module(module), "check", lambda study: None)(study)
 
 
 def _crew(study: Study, place: Place, workers: int | None, scheduler: str | None) -> Crew:
@@ -161,5 +178,6 @@ def find_data(data_dir: Path | None, name: str, patterns: list[str]) -> Path:
     for folder in (given / name, given):
         if folder.is_dir() and all(any(folder.glob(pattern)) for pattern in patterns):
             return folder.resolve()
-    came = f"{name}/{patterns[0]} is not there" if patterns else f"{name} is not there"
+    missing = [pattern for pattern in patterns if not any((given / name).glob(pattern))]
+    came = f"{name}/{missing[0]} is not there" if missing else f"{name} is not there"
     raise DataFormatError(Fault(str(given), "", came, "give --data DIR or set SOONER_DATA to the folder above it"))

@@ -19,10 +19,12 @@ from sooner.campaigns.results import Results
 from sooner.campaigns.statistics import Estimate, differences, estimate, paired, rate
 
 __all__ = [
+    "MACHINE_BOUND",
     "PairedRow",
     "SummaryRow",
     "paired_csv",
     "paired_rows",
+    "place_name",
     "summary_csv",
     "summary_markdown",
     "summary_page",
@@ -238,7 +240,7 @@ def _sections(rows: Sequence[SummaryRow], pairs: Sequence[PairedRow], marks: str
     places = _by(rows, _place)
     if len(places) <= PLACES_APART:
         for place, some in places.items():
-            yield f"{marks} {_named(place)}\n\n{_planners_aside(some)}"
+            yield f"{marks} {_cell(place_name(*place))}\n\n{_planners_aside(some)}"
             yield from _against([pair for pair in pairs if _place(pair) == place], by_measure=True)
         return
     yield f"{marks} trials\n\n{_places_below(rows, _trials)}"
@@ -356,9 +358,13 @@ def _figure(value: float | None, sign: str = "") -> str:
     return f"{value:{sign}.0f}" if 1e4 <= abs(value) < 1e15 else f"{value:{sign}.4g}"
 
 
-def _named(place: Place) -> str:
-    instance, budget = place
-    return _cell(instance) + ("" if budget is None else f", budget {_figure(budget)}")
+def place_name(instance: str, budget: Budget) -> str:
+    """As people read it.
+
+    >>> place_name("hills", 300), place_name("hills", None)
+    ('hills, budget 300', 'hills')
+    """
+    return instance + ("" if budget is None else f", budget {_figure(budget)}")
 
 
 def _table(head: Sequence[str], lines: Iterable[Sequence[str]], rule: str) -> str:

@@ -40,8 +40,8 @@ def ending(work: Callable[[], int]) -> int:
         except SoonerError as error:
             say(f"sooner: {error}")
             return BAD_INPUT
-        except KeyboardInterrupt:
-            say("sooner: interrupted; nothing was written")
+        except KeyboardInterrupt as error:
+            say(f"sooner: {error}" if error.args else "sooner: interrupted; nothing was written")
             return INTERRUPTED
         except BrokenPipeError:  # whoever read our output has had enough
             _drop_output()

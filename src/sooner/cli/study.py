@@ -60,13 +60,15 @@ def study(file: Path, wishes: Wishes) -> int:
     from sooner.campaigns.report import REPORT, write_report
     from sooner.campaigns.run import run_study
     from sooner.campaigns.study import read_study
+    from sooner.experiments.tables import tables_files
     from sooner.io.writing import Folder
 
     read = read_study(file)
-    out = Folder(wishes.out or read.folder / f"{file.stem}-results", wishes.force)
-    out.check(*REPORT)
+    name = "study" if file.is_dir() else file.stem
+    out = Folder(wishes.out or read.folder / f"{name}-results", wishes.force)
+    out.check(*REPORT, *(("tables.md", "tables.csv") if read.file.tables else ()))
     with (
-        Watch(read.file.title, wishes.quiet) as watch,
+        Watch(wishes.quiet) as watch,
         run_study(
             read,
             out.path,
@@ -79,7 +81,7 @@ def study(file: Path, wishes: Wishes) -> int:
             watch.tell,
         ) as ran,
     ):
-        report = write_report(ran, read.file.title, out)
+        report = write_report(ran, read.file.title, out, tables_files(read, ran), read.file.measure)
         aside = [(str(trial), ending, reason) for trial, ending, reason in ran.set_aside()]
     return _ended(wishes, ran.progress, [*report.files, out.path / "trials.sqlite"], aside, report.notes)
 
@@ -96,7 +98,7 @@ def reproduce(paper: str, only: list[str], wishes: Wishes) -> int:
         )
     from sooner.experiments import reproduce as run
 
-    with Watch(paper, wishes.quiet) as watch:
+    with Watch(wishes.quiet) as watch:
         found = run(
             paper,
             wishes.data,
@@ -139,8 +141,8 @@ def _last_line(reason: str) -> str:
 class Watch:
     """Tells how a campaign goes, on stderr: a live line on a terminal, now and then a plain one elsewhere."""
 
-    def __init__(self, title: str, quiet: bool) -> None:
-        self.title, self.quiet = title, quiet
+    def __init__(self, quiet: bool) -> None:
+        self.quiet = quiet
         self._live: Any = None
         self._told = self._began = time.perf_counter()
         self._last: Progress | None = None
@@ -174,8 +176,9 @@ class Watch:
     ) -> None:
         if self._live is not None:
             self._live.stop()
-        if isinstance(error, KeyboardInterrupt) and self._last is not None:
-            say(f"{self._last.done:,} of {self._last.total:,} trials are kept; the same command goes on from there")
+        if isinstance(error, KeyboardInterrupt):
+            kept = f"{self._last.done:,} of {self._last.total:,} trials are kept; " if self._last is not None else ""
+            raise KeyboardInterrupt(f"interrupted; {kept}the same command goes on from there") from None
 
 
 PLAIN_S = 10.0

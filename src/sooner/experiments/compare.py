@@ -9,7 +9,7 @@ from typing import Any
 
 from sooner.experiments.published import Published, Reproduced
 
-__all__ = ["Comparison", "Rule", "compare", "comparison_markdown"]
+__all__ = ["Comparison", "Rule", "compare", "comparison_markdown", "tables_markdown"]
 
 UNEXPLAINED = "not explained yet"
 
@@ -101,6 +101,17 @@ def comparison_markdown(title: str, found: Sequence[Comparison], beyond: Sequenc
     parts = [f"# {title}", _preface(found), _summary(found)]
     parts += [_table(table, [c for c in found if c.published.table == table]) for table in tables]
     parts += [_beyond(table, [row for row in beyond if row.table == table]) for table in _others(found, beyond)]
+    return "\n\n".join(parts) + "\n"
+
+
+def tables_markdown(title: str, rows: Sequence[Reproduced]) -> str:
+    """The page `tables.md`: the tables of a study that nothing printed stands beside."""
+    told = "The mean, median or rate that the study asks for, in brackets its 95 % interval."
+    parts = [
+        f"# {title}",
+        told,
+        *(_beyond(table, [row for row in rows if row.table == table]) for table in _others([], rows)),
+    ]
     return "\n\n".join(parts) + "\n"
 
 

@@ -2,66 +2,156 @@
 
 from __future__ import annotations
 
+import inspect
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache, partial
 from importlib import import_module
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from sooner.campaigns.study import OURS, Study
 from sooner.campaigns.trial import Place, Trial
-from sooner.errors import DataFormatError, Fault
+from sooner.errors import DataFormatError, Fault, SoonerError
 from sooner.planners import Planner, StopRule, max_seconds, max_ticks, solve
 from sooner.planners.proved import Proved
 from sooner.planners.registry import make_planner
 from sooner.problem import SearchProblem, evaluate
 
-__all__ = ["cpu_seconds", "fly", "made", "stopping"]
+__all__ = ["check", "cpu_seconds", "fly", "load_kernels", "made", "stopping"]
+
+STOPS = ("ticks", "seconds", "cpu_seconds")
 
 
 def fly(trial: Trial, place: Place) -> Mapping[str, Any]:
     """Plan once and let the judge say what the plan is worth.
 
-    The instance is `{ mission = FILE }`, beside the study, or `{ scenario = NAME, seed = N, ... }`; the budget, if any,
-    replaces the steps of every searcher. The planner is `{ name = NAME }` of `sooner planners` or `{ make =
+    The instance is `{ mission = FILE }`, beside the study, or `{ scenario = NAME, seed = N, size = N }`; the budget, if
+    any, replaces the steps of every searcher. The planner is `{ name = NAME }` of `sooner planners` or `{ make =
     "module:Class", ... }` with its settings, and with one of `ticks`, `seconds` and `cpu_seconds` (of all threads
     together), and `proved = true` for a bound beside it. Only ticks give the same plan everywhere.
 
-    Answers `value`, `bound`, `efficiency` (value over that of a searcher that teleports), `gap`, the `status` of the
-    run, `steps` flown, and under `timing` the seconds.
+    Answers `value`, `bound`, `efficiency` (value over that of a searcher that teleports), `gap`, each null where there
+    is no such number, the `status` of the run, and under `timing` its seconds.
     """
-    problem = _problem(trial, place)
+    problem = _problem(f"instances.{trial.case.instance}", trial.instance, place.folder, trial.budget)
     said = dict(trial.planner)
     stop, proved = stopping(said), said.pop("proved", False)
     planner = made(said)
     planner = Proved(planner) if proved else planner
+    load_kernels(trial.case.instance, problem, planner)
     wall, cpu = time.perf_counter(), time.process_time()
     solution = solve(problem, planner, stop() if stop else None, trial.seed)
     timing = {"seconds": time.perf_counter() - wall, "cpu_seconds": time.process_time() - cpu}
-    judged, bound = evaluate(problem, solution.best.plan), solution.best.bound
-    finite = bound < float("inf")
+    judged, best = evaluate(problem, solution.best.plan), solution.best
     return {
-        "value": judged.value,
-        "bound": bound if finite else None,
-        "gap": (bound - judged.value) / bound if finite and bound else None,
+        "value": _finite(judged.value),
+        "bound": _finite(best.bound),
+        "gap": _finite(best.gap),
         "efficiency": judged.efficiency if problem.drift is None and problem.objective.target is None else None,
-        "status": str(solution.status),
+        "status": solution.status.value,
         "timing": timing,
     }
 
 
-def _problem(trial: Trial, place: Place) -> SearchProblem:
-    said = dict(trial.instance)
-    if "mission" in said:
-        return _with_budget(_mission(str(Path(place.folder) / said["mission"])), trial.budget)
-    if "scenario" in said:
-        from sooner.scenarios import make_scenario
+def _finite(value: float) -> float | None:
+    return value if isfinite(value) else None
 
-        scenario = make_scenario(said["scenario"], said.get("seed"))
-        return scenario.problem(None if trial.budget is None else int(trial.budget))
+
+_loaded: set[tuple[str, str]] = set()
+
+
+def load_kernels(name: str, problem: SearchProblem, planner: Planner) -> None:
+    """Once a process, so that no trial pays for it; not for planners that take their time from their settings."""
+    known = name, repr(planner)
+    if known not in _loaded and not hasattr(planner, "tour_seconds"):
+        solve(problem, planner, max_ticks(3))
+    _loaded.add(known)
+
+
+def check(study: Study) -> None:
+    """Refuse a study that this trial cannot fly, before anything is flown.
+
+    Raises
+    ------
+    DataFormatError      with every fault of its instances, budgets and planners
+    """
+    if faults := [*_faults(study)]:
+        raise DataFormatError(*faults)
+
+
+def _faults(study: Study) -> Iterator[Fault]:
+    for name, said in study.file.instances.items():
+        try:
+            _problem(f"instances.{name}", said, str(study.folder), None)
+        except DataFormatError as error:
+            yield from error.faults
+        except SoonerError as error:
+            yield Fault("study", f"instances.{name}", str(error), "expected a search that can be planned")
+    budgets = {*study.file.budgets, *(budget for table in study.tables for budget in table.budgets or ())}
+    for budget in sorted(budgets):
+        if not (isinstance(budget, int) and budget >= 1):
+            yield Fault("study", "budgets", f"{budget} came", "expected steps: whole numbers of at least 1")
+    for name, said in study.file.planners.items():
+        if fault := _planner_fault({key: value for key, value in said.items() if key not in OURS}):
+            yield Fault("study", f"planners.{name}", *fault)
+
+
+def _planner_fault(said: dict[str, Any]) -> tuple[str, str] | None:
+    """What is wrong with a planner, as far as it shows without loading what the user wrote."""
+    stops = [key for key in STOPS if key in said]
+    if len(stops) > 1:
+        return f"{' and '.join(stops)} came", "expected one of them"
+    for key in stops:
+        number = (int,) if key == "ticks" else (int, float)
+        if isinstance(said[key], bool) or not isinstance(said[key], number) or said[key] <= 0:
+            return f"{key} = {said[key]!r} came", f"expected a {'whole ' if key == 'ticks' else ''}number above 0"
+    if not isinstance(said.get("proved", False), bool):
+        return f"proved = {said['proved']!r} came", "expected true or false"
+    settings = {key: value for key, value in said.items() if key not in (*STOPS, "proved")}
+    if ("name" in said) == ("make" in said):
+        return f"{said} came", 'expected name = NAME or make = "module:Class"'
+    if "make" in said and not str(said["make"]).startswith("sooner."):
+        module, _, kind = str(said["make"]).partition(":")
+        return None if module and kind.isidentifier() else (f"{said['make']!r} came", 'expected "module:Class"')
+    try:
+        made(settings)
+    except (SoonerError, TypeError, ValueError, AttributeError, ImportError) as error:
+        return str(error).partition("\n")[0], "see `sooner planners`, and the class for its settings"
+    return None
+
+
+def _problem(key: str, said: Mapping[str, Any], folder: str, budget: int | float | None) -> SearchProblem:
+    """The search of an instance, for its own budget or for another."""
+    kinds = [kind for kind in ("mission", "scenario") if kind in said]
     expected = "expected mission = FILE or scenario = NAME"
-    raise DataFormatError(Fault("study", f"instances.{trial.case.instance}", f"{said} came", expected))
+    if len(kinds) != 1:
+        raise DataFormatError(Fault("study", key, f"{dict(said)} came", expected))
+    if kinds == ["scenario"]:
+        return _scenario(key, dict(said), None if budget is None else int(budget))
+    if more := [name for name in said if name != "mission"]:
+        raise DataFormatError(Fault("study", f"{key}.{more[0]}", "there is no such key", "expected mission alone"))
+    return _with_budget(_mission(str(Path(folder) / said["mission"])), budget)
+
+
+def _scenario(key: str, said: dict[str, Any], budget: int | None) -> SearchProblem:
+    from sooner.scenarios import SCENARIOS
+
+    name = said.pop("scenario")
+    if name not in SCENARIOS:
+        raise DataFormatError(Fault("study", f"{key}.scenario", f"{name!r} came", f"expected {', '.join(SCENARIOS)}"))
+    make = SCENARIOS[name].make
+    known = list(inspect.signature(make).parameters)
+    for setting, value in said.items():
+        if setting not in known:
+            raise DataFormatError(
+                Fault("study", f"{key}.{setting}", "there is no such key", f"expected {' or '.join(known)}")
+            )
+        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            raise DataFormatError(Fault("study", f"{key}.{setting}", f"{value!r} came", "expected a whole number"))
+    return make(**said).problem(budget)
 
 
 @cache
@@ -87,6 +177,9 @@ def made(said: Any) -> Any:
         return tuple(map(made, said))
     if not isinstance(said, dict):
         return said
+    if "name" not in said and "make" not in said:
+        expected = 'expected { name = NAME } or { make = "module:Class" }, with settings'
+        raise DataFormatError(Fault("study", "planners", f"{said} came", expected))
     settings = {key: made(value) for key, value in said.items() if key not in ("name", "make")}
     if "make" in said:
         module, name = said["make"].split(":")

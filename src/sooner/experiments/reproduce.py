@@ -10,9 +10,8 @@ from typing import Any
 
 from sooner.campaigns.campaign import Progress, Watch
 from sooner.campaigns.report import REPORT, write_report
-from sooner.campaigns.run import Earlier, Ran, find_data, run_study
+from sooner.campaigns.run import Earlier, Ran, find_data, refuse_none, run_study
 from sooner.campaigns.study import Study, read_study
-from sooner.errors import InvalidProblemError
 from sooner.experiments.compare import Comparison, compare, comparison_markdown
 from sooner.experiments.published import (
     Reproduced,
@@ -82,8 +81,7 @@ def reproduce(
     DataFormatError             no such study, its maps are not there, or its ledger or files cannot be written
     InvalidProblemError         no trial, or no worker
     """
-    if any(number is not None and number < 1 for number in (trials, workers)):
-        raise InvalidProblemError(f"{trials} trials and {workers} workers came; expected at least one of each")
+    refuse_none(trials, workers)
     home = study_folder(paper)
     study = read_study(home).only(only)
     data = find_data(data_dir, study.file.data, study.file.data_files)
@@ -93,13 +91,13 @@ def reproduce(
     with run_study(study, out.path, data_dir, trials, workers, scheduler, earlier, retry, watch) as ran:
         filled = tables(study, ran)
         rows = _merged(out.path, [*filled, *_claimed(study, ran, filled, data)])
-        comparisons = compare(read_published(home), rows, study.file.rules)
+        comparisons = compare(read_published(home), rows, study.rules)
         pages = {
             "reproduced.csv": reproduced_csv(rows).encode(),
             "comparison.md": comparison_markdown(study.file.title, comparisons, rows).encode(),
         }
-        drawn = dict(_hook(study, "figures")(ran, study, data)) if figures and _can_draw(study) else {}
-        report = write_report(ran, study.file.title, out, pages)
+        drawn = dict(_hook(study, "figures")(ran, study, data)) if figures and _can_draw(study, ran) else {}
+        report = write_report(ran, study.file.title, out, pages, study.file.measure)
         aside = tuple((str(trial), ending, reason) for trial, ending, reason in ran.set_aside())
     pictures = Folder(out.path / "figures", out.force)
     pictures.write(drawn)
@@ -116,8 +114,10 @@ def _hook(study: Study, name: str) -> Callable[..., Iterable[Any]]:
     return found
 
 
-def _can_draw(study: Study) -> bool:
-    return set(study.file.paper.get("figures_from", ())) <= {table.name for table in study.tables}
+def _can_draw(study: Study, ran: Ran) -> bool:
+    """Every table that the figures are made from was flown, and nothing of it is missing."""
+    flown = {table.name for table in study.tables}
+    return set(study.file.paper.get("figures_from", ())) <= flown and not ran.set_aside()
 
 
 def _claimed(study: Study, ran: Ran, filled: Sequence[Reproduced], data: Path) -> list[Reproduced]:

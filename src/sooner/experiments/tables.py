@@ -11,9 +11,11 @@ from sooner.campaigns.run import Ran
 from sooner.campaigns.statistics import Estimate, differences, estimate, rate
 from sooner.campaigns.study import Cell, Study, Table
 from sooner.campaigns.trial import Case
-from sooner.experiments.published import Reproduced
+from sooner.errors import DataFormatError, Fault
+from sooner.experiments.compare import tables_markdown
+from sooner.experiments.published import Reproduced, reproduced_csv
 
-__all__ = ["tables"]
+__all__ = ["tables", "tables_files"]
 
 
 def tables(study: Study, ran: Ran) -> list[Reproduced]:
@@ -30,6 +32,15 @@ def tables(study: Study, ran: Ran) -> list[Reproduced]:
     return rows
 
 
+def tables_files(study: Study, ran: Ran) -> dict[str, bytes]:
+    """`tables.md` and `tables.csv`, where the study asks for tables of its own."""
+    if not study.file.tables:
+        return {}
+    rows = tables(study, ran)
+    page = tables_markdown(study.file.title, rows)
+    return {"tables.md": page.encode(), "tables.csv": reproduced_csv(rows).encode()}
+
+
 def _marks(ran: Ran) -> Reproduced:
     """An empty row with the commits and processors that flew the trials."""
     told = [it for it, _ in ran.ledger.provenances(case for case, _ in ran.asked.cases)]
@@ -41,12 +52,12 @@ def _filled(
     name: str, table: Table, measure: str, cells: Sequence[Cell], results: Mapping[Case, Results], mark: Reproduced
 ) -> Iterator[Reproduced]:
     samples: dict[tuple[str, str], list[np.ndarray]] = {}
-    for cell in cells:
+    for cell in dict.fromkeys(cells):
         samples.setdefault((cell.row, cell.column), []).append(_sample(cell, measure, results))
     for (row, column), parts in samples.items():
         sample = np.concatenate(parts)
         if sample.size:
-            found = _statistic(sample, table.statistic)
+            found = _statistic(table, measure, sample)
             yield Reproduced(
                 name, row, column, found.value, found.low, found.high, found.n, mark.commit, mark.processor
             )
@@ -64,5 +75,10 @@ def _sample(cell: Cell, measure: str, results: Mapping[Case, Results]) -> np.nda
     return differences(mine, theirs, measure) if measure in theirs.measures else np.zeros(0)
 
 
-def _statistic(sample: np.ndarray, statistic: str) -> Estimate:
-    return rate(int(sample.sum()), sample.size) if statistic == "rate" else estimate(sample, statistic)
+def _statistic(table: Table, measure: str, sample: np.ndarray) -> Estimate:
+    if table.statistic != "rate":
+        return estimate(sample, table.statistic)
+    if not np.isin(sample, (0.0, 1.0)).all():
+        came = f"{measure!r} came for a rate, and it is no yes or no"
+        raise DataFormatError(Fault("tables", f"{table.name}.statistic", came, "expected mean or median of it"))
+    return rate(int(sample.sum()), sample.size)

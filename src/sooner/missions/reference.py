@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import types
-from typing import Any, Literal, get_args, get_origin
-
 from pydantic import BaseModel
 
-from sooner.missions.settings import Area, Budget, Searching, Sensor, Settings, Wish
+from sooner.io.reference import about, keys_table
+from sooner.missions.settings import Area, Budget, Place, Searching, Sensor, Settings, Wish
 
 __all__ = ["reference_page"]
 
@@ -39,6 +37,8 @@ _TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[objective]", Wish),
 )
 
+_WORDS = {list: "[row, col]", Place: "{lat, lon}"}
+
 
 def reference_page() -> str:
     """`docs/mission_file.md`, as Markdown."""
@@ -51,8 +51,7 @@ def reference_page() -> str:
         f"At the top: `name`, {Settings.model_fields['name'].description}.",
     ]
     for title, model in _TABLES:
-        head = "| key | value | left out | meaning |\n|---|---|---|---|"
-        parts.append(f"## `{title}`\n\n{_about(model)}\n\n{head}\n{_rows(model)}")
+        parts.append(f"## `{title}`\n\n{about(model)}\n\n{keys_table(model, _WORDS)}")
     parts.append(
         "## Time\n\nWith `steps` time is counted in moves from cell to cell, as the papers do. With `seconds` a step "
         "takes `cell_m / speed_mps` (on `square8` the length of a diagonal counts for every step, so that no flight "
@@ -65,40 +64,3 @@ def reference_page() -> str:
         'cells. "No data" counts as weight 0 in `poc` and as free ground in `obstacles`.'
     )
     return "\n\n".join(parts) + "\n"
-
-
-def _about(model: type[BaseModel]) -> str:
-    return (model.__doc__ or "").partition(": ")[2].strip().rstrip(".").capitalize() + "."
-
-
-def _rows(model: type[BaseModel]) -> str:
-    lines = []
-    for name, field in model.model_fields.items():
-        default = "" if field.default is None else f"`{_toml(field.default)}`"
-        meaning = (field.description or "").replace("(not yet)", "(*not yet*)")
-        lines.append(f"| `{name}` | {_kind(field.annotation)} | {default} | {meaning} |")
-    return "\n".join(lines)
-
-
-def _toml(value: Any) -> str:
-    return f'"{value}"' if isinstance(value, str) else str(value)
-
-
-def _kind(annotation: Any) -> str:
-    """A type in words."""
-    origin = get_origin(annotation)
-    if origin is Literal:
-        return ", ".join(f'`"{choice}"`' for choice in get_args(annotation))
-    if origin in (types.UnionType, None) or str(origin) == "typing.Union":
-        parts = get_args(annotation) or (annotation,)
-        return " or ".join(dict.fromkeys(_word(part) for part in parts if part is not type(None)))
-    return _word(annotation)
-
-
-def _word(part: Any) -> str:
-    if get_origin(part) is not None and hasattr(part, "__metadata__"):
-        return _word(get_args(part)[0])
-    if get_origin(part) is list:
-        return "[row, col]"
-    words = {str: "text", float: "number", int: "whole number"}
-    return words.get(part, "{lat, lon}")

@@ -1,5 +1,6 @@
-"""Pictures of beliefs, plans and curves; nothing imports this room at start-up."""
+"""Pictures of beliefs, plans, curves and studies; nothing imports this room at start-up."""
 
 from sooner.plotting.plan_picture import Caption, draw_plan
+from sooner.plotting.summary_picture import Sample, plot_summary
 
-__all__ = ["Caption", "draw_plan"]
+__all__ = ["Caption", "Sample", "draw_plan", "plot_summary"]

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from sooner.campaigns.trial import Place, Trial
-from sooner.experiments.flight import made, stopping
+from sooner.experiments.flight import load_kernels, made, stopping
 from sooner.experiments.lin2014.maps import posed
-from sooner.planners import Planner, max_ticks, solve
+from sooner.planners import Planner, solve
 from sooner.planners.proved import Proved
-from sooner.problem import SearchProblem, evaluate
+from sooner.problem import evaluate
 
 __all__ = ["fly"]
 
@@ -29,7 +29,7 @@ def fly(trial: Trial, place: Place) -> Mapping[str, Any]:
     problem = posed(Path(place.data), instance["map"], tuple(instance["start"]), int(trial.budget or 0), end)
     stop, proved = stopping(said), said.pop("proved", False)
     planner: Planner = Proved(made(said)) if proved else made(said)
-    _load_kernels(instance["map"], problem, planner)
+    load_kernels(instance["map"], problem, planner)
     wall, cpu = time.perf_counter(), time.process_time()
     best = solve(problem, planner, stop() if stop else None, trial.seed).best
     timing = {"seconds": time.perf_counter() - wall, "cpu_seconds": time.process_time() - cpu}
@@ -42,14 +42,3 @@ def fly(trial: Trial, place: Place) -> Mapping[str, Any]:
         "cells": [int(cell) for cell in best.plan.actions[0]],
         "timing": timing,
     }
-
-
-_loaded: set[tuple[str, str]] = set()
-
-
-def _load_kernels(name: str, problem: SearchProblem, planner: Planner) -> None:
-    """Once a process, so that no trial pays for it; not for planners that take their time from their settings."""
-    known = name, repr(planner)
-    if known not in _loaded and not hasattr(planner, "tour_seconds"):
-        solve(problem, planner, max_ticks(3))
-    _loaded.add(known)
