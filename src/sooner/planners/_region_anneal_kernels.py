@@ -1,0 +1,280 @@
+"""Compiled moves of annealing over regions: plain arrays in, plain arrays out.
+
+What a plan collects and how long it takes does not depend on the order of its actions. So what is annealed is no walk
+but how often each action is flown; such numbers can be flown as one walk where the edges used are connected with the
+first region, every searched region lies on them, and only the first and the last region have an odd number of them.
+
+counts (A,) int32      how often each action is flown; a < R searches region a
+degree (R,) int32      edges used at each region
+looks (K,) int32       looks at each atom
+whole (7,) int64       END region, words of random state SHIFT and WEYL, STAMP of marks, EDGES used in all, UNDO length,
+                       and BEST_END, where the best numbers end
+real (3,) float64      SECONDS used, VALUE, BEST value
+kept (A,) int32        the best numbers so far
+marks (R,), queue (2, R), undo (U,)     scratch
+"""
+
+import math
+
+from numba import njit
+
+END, SHIFT, WEYL, STAMP, EDGES, UNDO, BEST_END = 0, 1, 2, 3, 4, 5, 6
+SECONDS, VALUE, BEST = 0, 1, 2
+WORD = 0xFFFFFFFF
+LONGEST = 16  # most edges of a cycle
+
+# Without Numba's reference counts the moves run twice as fast; so no kernel here may allocate.
+kernel = njit(cache=True, nogil=True, _nrt=False)
+
+
+@kernel
+def _draw(whole):
+    """32 random bits: xorshift plus a Weyl sequence, in 64-bit arithmetic that never overflows."""
+    x = whole[SHIFT]
+    x ^= (x << 13) & WORD
+    x ^= x >> 17
+    x ^= (x << 5) & WORD
+    whole[SHIFT] = x
+    w = (whole[WEYL] + 362437) & WORD
+    whole[WEYL] = w
+    return (x + w) & WORD
+
+
+@kernel
+def _below(whole, n):
+    """Whole number in [0, n)."""
+    return (_draw(whole) * n) >> 32
+
+
+@kernel
+def _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, action, sign):
+    """Fly an action once more or once less."""
+    last = gains.shape[1] - 1
+    value = 0.0
+    if sign > 0:
+        for entry in range(starts[action], starts[action + 1]):
+            atom = atoms[entry]
+            value += gains[atom, min(looks[atom], last)]
+            looks[atom] += 1
+    else:
+        for entry in range(starts[action], starts[action + 1]):
+            atom = atoms[entry]
+            looks[atom] -= 1
+            value -= gains[atom, min(looks[atom], last)]
+    real[VALUE] += value
+    real[SECONDS] += sign * seconds[action]
+    counts[action] += sign
+    if action >= len(degree):
+        degree[ends[action, 0]] += sign
+        degree[ends[action, 1]] += sign
+        whole[EDGES] += sign
+    undo[whole[UNDO]] = (action + 1) * sign
+    whole[UNDO] += 1
+
+
+@kernel
+def _joined(way_starts, ways, ends, counts, marks, queue, whole, one, other):
+    """Whether edges in use join two regions: searched from both sides, a step at a time."""
+    if one == other:
+        return True
+    whole[STAMP] += 2
+    stamp = whole[STAMP]
+    marks[one], marks[other] = stamp, stamp + 1
+    queue[0, 0], queue[1, 0] = one, other
+    head0, head1, size0, size1 = 0, 0, 1, 1
+    while True:
+        side = 0 if head0 <= head1 else 1
+        if side == 0:
+            if head0 == size0:
+                return False
+            here = queue[0, head0]
+            head0 += 1
+        else:
+            if head1 == size1:
+                return False
+            here = queue[1, head1]
+            head1 += 1
+        for way in range(way_starts[here] + 1, way_starts[here + 1]):
+            action = ways[way]
+            if counts[action] > 0:
+                there = ends[action, 0] + ends[action, 1] - here
+                if marks[there] == stamp + 1 - side:
+                    return True
+                if marks[there] != stamp + side:
+                    marks[there] = stamp + side
+                    if side == 0:
+                        queue[0, size0] = there
+                        size0 += 1
+                    else:
+                        queue[1, size1] = there
+                        size1 += 1
+
+
+@kernel
+def _one_piece(way_starts, ways, ends, counts, degree, marks, queue, whole, first, touched, n_touched, known):
+    """Whether a change at some regions has left all edges in use in one piece with the first region.
+
+    `known` says that one of the touched regions was in that piece before. Each piece that a change can make has a
+    touched region in it, so they need only be joined with one another.
+    """
+    for number in range(n_touched):
+        region = touched[number]
+        if degree[region] == 0 and counts[region] > 0 and region != first:
+            return False
+    if whole[EDGES] == 0:
+        return True
+    if degree[first] == 0:
+        return False
+    reference = -1 if known else first
+    for number in range(n_touched):
+        region = touched[number]
+        if degree[region] == 0:
+            continue
+        if reference < 0:
+            reference = region
+        elif not _joined(way_starts, ways, ends, counts, marks, queue, whole, reference, region):
+            return False
+    return True
+
+
+@kernel
+def _take_back(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, value, used, end):
+    """Undo everything since the undo list was empty."""
+    for back in range(whole[UNDO] - 1, -1, -1):
+        action = abs(undo[back]) - 1
+        sign = -1 if undo[back] > 0 else 1
+        _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, action, sign)
+        whole[UNDO] -= 1
+    whole[UNDO] = 0
+    whole[END] = end
+    real[VALUE], real[SECONDS] = value, used
+
+
+@kernel
+def _elementary(
+    starts, atoms, way_starts, ways, ends, cycle_starts, cycles, gains, seconds, first, free_end,
+    counts, degree, looks, whole, real, marks, queue, undo, touched,
+):  # fmt: skip
+    """One random change that keeps the numbers flyable; False where what was drawn cannot be done."""
+    n_regions = len(degree)
+    n_edges = len(seconds) - n_regions
+    kind = _below(whole, 16)
+    sign = 1 if _draw(whole) & 1 else -1
+    n_touched, known = 0, False
+    if kind < 7 or n_edges == 0:  # a search more, or less
+        region = _below(whole, n_regions)
+        if (sign < 0 and counts[region] == 0) or (sign > 0 and degree[region] == 0 and region != first):
+            return False
+        _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, region, sign)
+        return True
+    if kind < 11:  # there and back once more, or less
+        action = n_regions + _below(whole, n_edges)
+        one, other = ends[action, 0], ends[action, 1]
+        if sign < 0:
+            if counts[action] < 2:
+                return False
+            _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, action, -1)
+            _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, action, -1)
+            for region in (one, other):  # nobody comes by to search it any more
+                while degree[region] == 0 and region != first and counts[region] > 0 and whole[UNDO] < len(undo) - 8:
+                    _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, region, -1)
+            if counts[action] > 0:
+                return True
+            touched[0], touched[1] = one, other
+            return _one_piece(way_starts, ways, ends, counts, degree, marks, queue, whole, first, touched, 2, True)
+        new_one, new_other = degree[one] == 0 and one != first, degree[other] == 0 and other != first
+        if new_one and new_other:
+            return False
+        _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, action, 1)
+        _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, action, 1)
+        if new_one or new_other:
+            region = one if new_one else other
+            _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, region, 1)
+        return True
+    if kind < 13:  # end elsewhere
+        if not free_end:
+            return False
+        here = whole[END]
+        n_ways = way_starts[here + 1] - way_starts[here] - 1
+        if n_ways == 0:
+            return False
+        action = ways[way_starts[here] + 1 + _below(whole, n_ways)]
+        if sign < 0 and counts[action] == 0:
+            return False
+        there = ends[action, 0] + ends[action, 1] - here
+        _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, action, sign)
+        whole[END] = there
+        if sign > 0 or counts[action] > 0:
+            return True
+        touched[0], touched[1] = here, there
+        return _one_piece(way_starts, ways, ends, counts, degree, marks, queue, whole, first, touched, 2, True)
+    n_cycles = len(cycle_starts) - 1  # round a cycle once more, or one part of it more and the other less
+    if n_cycles == 0:
+        return False
+    cycle = _below(whole, n_cycles)
+    mixed = _draw(whole)
+    if kind < 14:
+        mixed = 0
+    begin, stop = cycle_starts[cycle], cycle_starts[cycle + 1]
+    for entry in range(begin, stop):
+        if (mixed >> (entry - begin)) & 1 and counts[cycles[entry]] == 0:
+            return False
+    flagged = False
+    for entry in range(begin, stop):
+        action = cycles[entry]
+        one, other = ends[action, 0], ends[action, 1]
+        known = known or degree[one] > 0 or one == first or degree[other] > 0 or other == first
+        if (mixed >> (entry - begin)) & 1 or counts[action] == 0:
+            flagged = True
+            touched[n_touched], touched[n_touched + 1] = one, other
+            n_touched += 2
+    if not known:
+        return False
+    for entry in range(begin, stop):
+        sign = -1 if (mixed >> (entry - begin)) & 1 else 1
+        _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, cycles[entry], sign)
+    return not flagged or _one_piece(
+        way_starts, ways, ends, counts, degree, marks, queue, whole, first, touched, n_touched, False
+    )
+
+
+@kernel
+def anneal(
+    starts, atoms, way_starts, ways, ends, cycle_starts, cycles, gains, seconds, limit_s, first, free_end,
+    counts, degree, looks, whole, real, kept, marks, queue, undo, touched, hot, cold, moves,
+):  # fmt: skip
+    """Make so many moves of one to three changes each, at a temperature that falls from `hot` to `cold`."""
+    factor = (cold / hot) ** (1.0 / max(moves // 64, 1))
+    temperature = hot
+    for move in range(moves):
+        if move % 64 == 63:
+            temperature *= factor
+        value, used, end = real[VALUE], real[SECONDS], whole[END]
+        whole[UNDO] = 0
+        parts = 1 + _below(whole, 3)
+        done = True
+        for _ in range(parts):
+            if whole[UNDO] > len(undo) // 2:
+                break
+            if not _elementary(
+                starts, atoms, way_starts, ways, ends, cycle_starts, cycles, gains, seconds, first, free_end,
+                counts, degree, looks, whole, real, marks, queue, undo, touched,
+            ):  # fmt: skip
+                done = False
+                break
+        gained = real[VALUE] - value
+        if done and real[SECONDS] <= limit_s:
+            if gained >= 0.0:
+                continue
+            if gained > temperature * math.log((_draw(whole) + 1.0) * 2.3283064365386963e-10):
+                if value <= real[BEST] + 1e-12:
+                    continue
+                # The first step down from a new best is spent on remembering it.
+                _take_back(
+                    starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, value, used, end
+                )
+                _keep(counts, kept, whole, real)
+                continue
+        _take_back(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, value, used, end)
+    if real[VALUE] > real[BEST] + 1e-12:
+        _keep(counts, kept, whole, real)
