@@ -239,6 +239,15 @@ def _elementary(
 
 
 @kernel
+def _keep(counts, kept, whole, real):
+    """Remember the present numbers as the best."""
+    for action in range(len(counts)):
+        kept[action] = counts[action]
+    real[BEST] = real[VALUE]
+    whole[BEST_END] = whole[END]
+
+
+@kernel
 def anneal(
     starts, atoms, way_starts, ways, ends, cycle_starts, cycles, gains, seconds, limit_s, first, free_end,
     counts, degree, looks, whole, real, kept, marks, queue, undo, touched, hot, cold, moves,
