@@ -142,9 +142,9 @@ def _failed(trial: Trial, error: BaseException) -> Outcome | DataFormatError:
         return Outcome(trial, "killed", reason=reason)
     if isinstance(error, NoValidWorkerError):
         return Outcome(trial, "lost", reason=reason)
-    if isinstance(error, ImportError):
+    if isinstance(error, (ImportError, OSError)):
         came = f"a worker cannot fly for us ({reason})"
-        expected = "expected sooner, in this version, wherever a worker of Dask runs"
+        expected = "expected sooner, in this version, and the folder of the study wherever a worker of Dask runs"
         return DataFormatError(Fault("--scheduler", "", came, expected))
     return Outcome(trial, "error", reason=reason)
 

@@ -16,6 +16,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 from sooner.campaigns.slot import Slot
@@ -65,8 +66,12 @@ def carrier(name: str) -> Callable[[str], str]:
 
     def called(text: str) -> str:
         from importlib import import_module
+        from platform import node
 
-        said: str = getattr(import_module("sooner.campaigns.seats"), name)(text)
+        try:
+            said: str = getattr(import_module("sooner.campaigns.seats"), name)(text)
+        except (ImportError, OSError) as error:  # this machine is not fit for us; say which it is
+            raise type(error)(f"{error}, on {node()}") from None
         return said
 
     return called
@@ -99,7 +104,11 @@ def _flown(campaign: str, trial: Trial, place: Place, limits: Limits) -> Outcome
     finally:
         with _door:
             seat.task, seat.since = "", time.monotonic()
-    return Outcome(trial, "lost", reason="its worker was closed, or nobody waited for it") if seat.left else outcome
+    if seat.left:
+        return Outcome(trial, "lost", reason="its worker was closed, or nobody waited for it")
+    if outcome.ending == "crash" and not outcome.provenance and not Path(place.folder).is_dir():
+        raise FileNotFoundError(f"the folder of the study, {place.folder}, is not there")
+    return outcome
 
 
 def land(campaign: str) -> str:
