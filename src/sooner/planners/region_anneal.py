@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from sooner.planners.depth_first import DepthFirst
 from sooner.planners.planner import Ticks
-from sooner.planners.region_ground import RegionGround, single_region_searcher
 from sooner.planners.region_walk import walk_of
 from sooner.planners.rounds import FIRST_ROUND, Rounds
 from sooner.problem import Incumbent, Plan, SearchProblem, evaluate
+from sooner.problem.region_ground import RegionGround, single_region_searcher
 
 __all__ = ["RegionAnneal"]
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from sooner.planners.region_ground import RegionGround, single_region_searcher
 from sooner.problem import Incumbent, Plan, SearchProblem, evaluate
+from sooner.problem.region_ground import RegionGround, single_region_searcher
 
 __all__ = ["RegionGreedy"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.planners.region_ground import RegionGround
+from sooner.problem.region_ground import RegionGround
 
 __all__ = ["walk_of"]
 
@@ -20,7 +20,7 @@ def walk_of(ground: RegionGround, counts: NDArray[np.int32], end: int) -> list[i
     --------
     Two regions, one edge flown there and back, each region searched twice:
 
-    >>> from sooner.planners.region_ground import RegionGround
+    >>> from sooner.problem.region_ground import RegionGround
     """
     regions, edges = _trail(ground, counts, end)
     last = {region: visit for visit, region in enumerate(regions)}
