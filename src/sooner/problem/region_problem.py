@@ -1,0 +1,185 @@
+"""From ground to a search over regions: what each action flies, how long it takes, what it looks at, what that pays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sooner.decomposition.plow import coverage_paths
+from sooner.decomposition.regions import Regions
+from sooner.errors import InvalidProblemError
+from sooner.grid import Grid
+from sooner.grid.paths import distances_m, way
+from sooner.motion.kinematics import Dynamics
+from sooner.motion.rounded import rounded
+from sooner.motion.trajectory import Trajectory
+from sooner.problem.atoms import Footprints, Rows, atom_gains, atoms_of
+from sooner.problem.gains import Gains
+from sooner.problem.regions import RegionGraph, RegionMoves
+from sooner.problem.search_problem import Objective, Searcher, SearchProblem
+from sooner.sensors.footprint import swept_cells
+
+__all__ = ["PRESET_A", "PRESET_B", "Place", "Sweep", "region_problem", "two_searches_s"]
+
+LOOKS = 64
+Place = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """How regions are searched: the drone, its sensor's reach, and how far apart it flies.
+
+    Parameters
+    ----------
+    dynamics : Dynamics
+    radius_m : float         cells with their centres so near to the path are looked at, once an action
+    spacing_m : float        between plow lines
+    taut : bool              ways around obstacles are pulled tight; False: pruned by the paper's rule
+    round_turns : bool       plow lines are joined by arcs instead of stops [Kuhlman2017, Fig. 4]
+    """
+
+    dynamics: Dynamics = field(default_factory=lambda: Dynamics(2.0, 2.0))
+    radius_m: float = 8.8
+    spacing_m: float = 8.8
+    taut: bool = True
+    round_turns: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("radius_m", "spacing_m"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
+                raise InvalidProblemError(f"{name} = {getattr(self, name)} came; expected a positive number")
+
+    def flight(self, path: NDArray[np.float64]) -> Trajectory:
+        """The path as it is flown."""
+        if self.round_turns and len(path) > 2:
+            return rounded(path, self.dynamics)
+        return Trajectory.through(path, self.dynamics)
+
+    def search(self, grid: Grid, regions: Regions, region: int) -> NDArray[np.float64]:
+        """The fastest of the four coverage paths of a region."""
+        return min(coverage_paths(grid, regions, region, self.spacing_m), key=lambda path: self.flight(path).duration)
+
+
+PRESET_A = Sweep(Dynamics(2.0, 2.0), taut=False)
+PRESET_B = Sweep(Dynamics(1.25, 1.25), spacing_m=17.6, taut=False)
+"""What the paper leaves open, chosen so that its times (A) or its search efforts (B) come out."""
+
+
+def region_problem(
+    grid: Grid,
+    regions: Regions,
+    sweep: Sweep,
+    gains: Gains | Rows,
+    starts: Sequence[Place],
+    budget_s: float | Sequence[float],
+    ends: Sequence[Place | None] | None = None,
+    objective: Objective | None = None,
+) -> SearchProblem:
+    """Pose a search over regions.
+
+    Parameters
+    ----------
+    grid : Grid                square cells, 8 neighbours: ways between regions go diagonally
+    gains : Gains or callable  what looks at cells pays: (N, L), or a function of cell numbers (n,) that answers (n, L)
+    starts : of (row, col)     one for each searcher; its walk begins at the centre of the nearest region
+    budget_s : float or many   seconds of each searcher
+    ends : of (row, col)       where each must come to rest; None: anywhere
+
+    Raises
+    ------
+    InvalidProblemError        a start or end on an obstacle or in ground that no region can be reached from
+    InfeasibleProblemError     too little time for any action
+    """
+    homes = list(ends or [None] * len(starts))
+    budgets = [float(budget_s)] * len(starts) if np.isscalar(budget_s) else list(map(float, budget_s))  # type: ignore
+    if not len(starts) == len(homes) == len(budgets):
+        raise InvalidProblemError(
+            f"{len(starts)} starts, {len(homes)} ends and {len(budgets)} budgets came; expected as many of each"
+        )
+    graph, places = _graph(grid, regions, sweep, [*starts, *homes])
+    atoms = atoms_of(graph.footprints, grid.n_cells)
+    searchers = []
+    for start, end, budget in zip(starts, homes, budgets, strict=True):
+        first, depart = places[start]
+        last, back = (-1, -1) if end is None else (places[end][0], places[end][1] + 1 if places[end][1] >= 0 else -1)
+        searchers.append(Searcher(start, budget, end, RegionMoves(graph, atoms, first, last, depart, back)))
+    rows = _rows(gains) if isinstance(gains, Gains) else gains
+    return SearchProblem(grid, atom_gains(atoms, rows), tuple(searchers), objective or Objective())
+
+
+def two_searches_s(problem: SearchProblem) -> float:
+    """Twice the time that a search of every region takes, without ways between them [Kuhlman2017, sec. 7.2]."""
+    moves = problem.searchers[0].moves
+    assert isinstance(moves, RegionMoves)
+    return 2.0 * float(moves.graph.seconds[: moves.graph.n_regions].sum())
+
+
+def _rows(gains: Gains) -> Rows:
+    looks = np.arange(max(LOOKS, gains.table.shape[1]))
+    return lambda cells: gains.of(cells[:, None], looks)
+
+
+def _graph(
+    grid: Grid, regions: Regions, sweep: Sweep, wanted: Sequence[Place | None]
+) -> tuple[RegionGraph, dict[Place, tuple[int, int]]]:
+    """All that can be flown; and for each place the region it belongs to, and its leg there (the next is back)."""
+    centres = regions.centres
+    paths = [sweep.search(grid, regions, region) for region in range(regions.n_regions)]
+    paths += [way(grid, int(centres[one]), int(centres[other]), sweep.taut) for one, other in regions.adjacency]
+    places: dict[Place, tuple[int, int]] = {}
+    for place in dict.fromkeys(place for place in wanted if place is not None):
+        cell = grid.index(place)
+        region = _region_of(grid, regions, cell)
+        if cell == centres[region]:
+            places[place] = region, -1
+            continue
+        places[place] = region, len(paths)
+        there = way(grid, cell, int(centres[region]), sweep.taut)
+        paths += [there, there[::-1]]
+    flights = [sweep.flight(path) for path in paths]
+    seconds = np.array([flight.duration for flight in flights])
+    footprints = _footprints(grid, sweep, flights)
+    graph = RegionGraph(
+        regions.n_regions, regions.adjacency, _searchable(seconds, sweep), tuple(paths), footprints, regions.labels
+    )
+    return graph, places
+
+
+def _searchable(seconds: NDArray[np.float64], sweep: Sweep) -> NDArray[np.float64]:
+    """A region that is searched from its centre without moving still takes the time of a leg of one radius."""
+    still = float(sweep.dynamics.leg_seconds(sweep.radius_m))
+    return np.where(seconds > 0, seconds, still)
+
+
+def _region_of(grid: Grid, regions: Regions, cell: int) -> int:
+    """The region of a cell, or else the one whose ground is the shortest way off."""
+    label = int(regions.labels.ravel()[cell]) if grid.passable[cell] else -1
+    if label >= 0:
+        return label
+    if not grid.passable[cell]:
+        raise InvalidProblemError(f"{list(grid.cell(cell))} came; an obstacle stands there")
+    off = np.where(regions.labels.ravel() >= 0, distances_m(grid, cell), np.inf)
+    nearest = int(np.argmin(off))
+    if not np.isfinite(off[nearest]):
+        raise InvalidProblemError(f"{list(grid.cell(cell))} came; no region can be reached from there")
+    return int(regions.labels.ravel()[nearest])
+
+
+def _footprints(grid: Grid, sweep: Sweep, flights: Sequence[Trajectory]) -> Footprints:
+    starts, cells, ahead, behind = [0], [], [], []
+    for flight in flights:
+        points, flown_m = flight.polyline()
+        chords_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+        seen, first_m = swept_cells(grid, points, sweep.radius_m)
+        _, back_m = swept_cells(grid, points[::-1], sweep.radius_m)
+        cells.append(seen.astype(np.int32))
+        ahead.append(flight.times_at(np.interp(first_m, chords_m, flown_m)))
+        behind.append(flight.duration - flight.times_at(np.interp(chords_m[-1] - back_m, chords_m, flown_m)))
+        starts.append(starts[-1] + len(seen))
+    return Footprints(
+        np.array(starts), np.concatenate(cells), np.concatenate(ahead).astype(np.float32),
+        np.concatenate(behind).astype(np.float32),
+    )  # fmt: skip
