@@ -39,7 +39,7 @@ A budget is the steps of every searcher, in place of those of the mission or sce
 
 | planner | meaning |
 |---|---|
-| `name` | a planner that `sooner planners` lists |
+| `name` | a planner that `sooner planners` lists; several drones and a target are planned as `sooner plan` does |
 | `make` | `"module:Class"`: a planner of your own, in a file beside the study, or any class that Python finds |
 | `ticks`, `seconds`, `cpu_seconds` | when to stop, one of them; without one it plans until it has finished |
 | `proved` | true: prove a bound beside it |

@@ -15,6 +15,7 @@ from typing import Any
 from sooner.campaigns.study import OURS, Study
 from sooner.campaigns.trial import Place, Trial
 from sooner.errors import DataFormatError, Fault, SoonerError
+from sooner.missions.planning import wrapped
 from sooner.planners import Planner, StopRule, max_seconds, max_ticks, solve
 from sooner.planners.proved import Proved
 from sooner.planners.registry import make_planner
@@ -39,7 +40,7 @@ def fly(trial: Trial, place: Place) -> Mapping[str, Any]:
     problem = _problem(f"instances.{trial.case.instance}", trial.instance, place.folder, trial.budget)
     said = dict(trial.planner)
     stop, proved = stopping(said), said.pop("proved", False)
-    planner = made(said)
+    planner = wrapped(problem, made(said)) if "name" in said else made(said)
     planner = Proved(planner) if proved else planner
     load_kernels(trial.case.instance, problem, planner)
     wall, cpu = time.perf_counter(), time.process_time()

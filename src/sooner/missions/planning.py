@@ -22,7 +22,7 @@ from sooner.planners.soonest import Soonest
 from sooner.planners.team import Team
 from sooner.problem import SearchProblem
 
-__all__ = ["FILES", "Planned", "plan_mission"]
+__all__ = ["FILES", "Planned", "plan_mission", "wrapped"]
 
 FILES = ("plan.csv", "plan.json", "plan.png")
 
@@ -132,11 +132,15 @@ def plan_mission(
 
 def _choose(problem: SearchProblem, name: str) -> Planner:
     """The planner of that name, wrapped for what the problem asks, with the proof beside it."""
-    planner = make_planner(name)
+    return Proved(wrapped(problem, make_planner(name)))
+
+
+def wrapped(problem: SearchProblem, planner: Planner) -> Planner:
+    """A planner for one drone, a person who stays and the most by the end, for what the problem asks."""
     if len(problem.searchers) > 1:
         planner = Team(planner)
     elif problem.drift is not None:
         planner = Receding(planner)
     if problem.objective.target is not None:
         planner = Soonest(planner)
-    return Proved(planner)
+    return planner
