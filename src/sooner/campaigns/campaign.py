@@ -17,7 +17,7 @@ import numpy as np
 
 from sooner.campaigns.ledger import ASIDE, DONE, WAITING, Ledger
 from sooner.campaigns.provenance import provenance, same_source
-from sooner.campaigns.trial import Case, Outcome, Place, Trial
+from sooner.campaigns.trial import Case, Outcome, Place, Trial, in_short
 from sooner.errors import DataFormatError, Fault
 
 __all__ = ["Asked", "Crew", "Progress", "Watch", "fly"]
@@ -152,7 +152,7 @@ class _Flying:
         if state == WAITING:
             self.queue.again(outcome.trial)
         if outcome.ending not in ("done", "lost"):
-            self.failures.append(f"{outcome.trial}: {outcome.ending}: {outcome.reason}")
+            self.failures.append(f"{outcome.trial}: {outcome.ending}: {in_short(outcome.reason)}")
             self._give_up_if_hopeless()
 
     def _state(self, outcome: Outcome) -> int:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
-__all__ = ["Case", "Ending", "Limits", "Outcome", "Place", "Trial"]
+__all__ = ["Case", "Ending", "Limits", "Outcome", "Place", "Trial", "in_short"]
 
 Ending = Literal["done", "error", "crash", "hang", "memory", "killed", "lost"]
 
@@ -140,3 +140,15 @@ class Outcome:
         """The answer as an object."""
         answer: dict[str, Any] = json.loads(self.answer or "{}")
         return answer
+
+
+def in_short(reason: str) -> str:
+    """One line of what went wrong: of a traceback the last, else the first.
+
+    >>> in_short("Traceback (most recent call last):\\n  File ...\\nValueError: no such hill\\n")
+    'ValueError: no such hill'
+    >>> in_short("its process ended with signal SIGSEGV\\nFatal Python error: ...")
+    'its process ended with signal SIGSEGV'
+    """
+    lines = reason.strip().splitlines() or [""]
+    return lines[-1 if lines[0].startswith("Traceback") else 0]

@@ -118,8 +118,10 @@ def reproduce(paper: str, only: list[str], wishes: Wishes) -> int:
 
 def _ended(wishes: Wishes, progress: Progress, files: Any, aside: Any, notes: Any) -> int:
     """Say what there is now."""
+    from sooner.campaigns.trial import in_short
+
     for trial, ending, reason in aside[:10]:
-        say(f"set aside: {trial}: {ending}: {_last_line(reason)}")
+        say(f"set aside: {trial}: {ending}: {in_short(reason)}")
     if aside:
         say(f"{len(aside)} trials were set aside; --retry flies them again")
     for note in notes:
@@ -131,11 +133,6 @@ def _ended(wishes: Wishes, progress: Progress, files: Any, aside: Any, notes: An
     for file in files:
         print(f"written  {file}")
     return DONE
-
-
-def _last_line(reason: str) -> str:
-    lines = reason.strip().splitlines()
-    return lines[-1] if lines else ""
 
 
 class Watch:
@@ -193,7 +190,7 @@ def _line(progress: Progress) -> str:
     if progress.seconds_left:
         parts.append(f"{_duration(progress.seconds_left)} left")
     if progress.last_failure:
-        parts.append(f"last failure: {_last_line(progress.last_failure)[:60]}")
+        parts.append(f"last failure: {progress.last_failure[:80]}")
     return "   ".join(parts)
 
 

@@ -1,5 +1,8 @@
-"""How people move: transition kernels over cells."""
+"""How people move, and how drones do: transition kernels over cells, flights with limited acceleration."""
 
 from sooner.motion.drift import drift_transition
+from sooner.motion.kinematics import Dynamics, Profile
+from sooner.motion.rounded import rounded
+from sooner.motion.trajectory import Course, Flown, Trajectory, integrated
 
-__all__ = ["drift_transition"]
+__all__ = ["Course", "Dynamics", "Flown", "Profile", "Trajectory", "drift_transition", "integrated", "rounded"]
