@@ -126,6 +126,9 @@ BIBLIOGRAPHY: dict[str, Work] = {
         author="Kuhlman, Michael J. and Otte, Michael W. and Sofge, Donald and Gupta, Satyandra K.",
         title="Multipass target search in natural environments",
         journal="Sensors",
+        volume="17",
+        number="11",
+        pages="2514",
         year="2017",
     ),
     "Wolek2020": _work(

@@ -1,6 +1,33 @@
-"""Where the person may be: a belief over cells, how a miss changes it, how it drifts."""
+"""Where the person may be: a belief over cells, evidence of each cell by itself, and what looks teach of both."""
 
 from sooner.belief.belief import Belief
+from sooner.belief.effort import effort_by_looks, expected_effort, expected_search_time, search_time_limit
+from sooner.belief.evidence import BetaGrid, EvidenceGrid, binary_entropy, stationary_theta, theta_from_counts
+from sooner.belief.information import (
+    beta_information,
+    beta_information_table,
+    information,
+    information_table,
+    look_information,
+)
 from sooner.belief.update import predict, update_on_miss
 
-__all__ = ["Belief", "predict", "update_on_miss"]
+__all__ = [
+    "Belief",
+    "BetaGrid",
+    "EvidenceGrid",
+    "beta_information",
+    "beta_information_table",
+    "binary_entropy",
+    "effort_by_looks",
+    "expected_effort",
+    "expected_search_time",
+    "information",
+    "information_table",
+    "look_information",
+    "predict",
+    "search_time_limit",
+    "stationary_theta",
+    "theta_from_counts",
+    "update_on_miss",
+]

@@ -3,6 +3,7 @@
 from sooner.problem.evaluate import Evaluation, evaluate
 from sooner.problem.gains import Gains, detection_gains
 from sooner.problem.incumbent import Incumbent
+from sooner.problem.information_gains import evidence_detection_gains, glimpse_information_gains, information_gains
 from sooner.problem.moves import CellMoves, Looks, Moves
 from sooner.problem.plan import Plan
 from sooner.problem.reach import Reach
@@ -26,6 +27,9 @@ __all__ = [
     "Teleport",
     "detection_gains",
     "evaluate",
+    "evidence_detection_gains",
+    "glimpse_information_gains",
+    "information_gains",
     "joined",
     "remainder",
     "teleport",

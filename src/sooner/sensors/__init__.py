@@ -1,5 +1,18 @@
-"""What a look can see: glimpse probability, and how repeated looks add up."""
+"""What a look can see: glimpse probability, false alarms, the camera, and how repeated looks add up."""
 
+from sooner.sensors.binary import BinarySensor
+from sooner.sensors.camera import Camera, speed_to_steer, speed_to_stop, steering_distance, stopping_distance
+from sooner.sensors.footprint import swept_cells
 from sooner.sensors.glimpse import glimpse_from_difficulty, miss_after_looks
 
-__all__ = ["glimpse_from_difficulty", "miss_after_looks"]
+__all__ = [
+    "BinarySensor",
+    "Camera",
+    "glimpse_from_difficulty",
+    "miss_after_looks",
+    "swept_cells",
+    "speed_to_steer",
+    "speed_to_stop",
+    "steering_distance",
+    "stopping_distance",
+]
