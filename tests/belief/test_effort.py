@@ -1,4 +1,4 @@
-"""Search effort on the ground: the paper's figures by the printed equation, and draws for the corrected one."""
+"""Search effort on the ground: figures by the printed equation, and draws for the corrected one."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ from sooner.errors import InvalidProblemError
 SENSOR = (0.85, 0.15)
 
 
-def test_the_printed_equation_gives_the_figures_behind_the_papers_columns() -> None:
+def test_the_printed_equation_gives_the_figures_of_an_independent_reproduction() -> None:
     effort = effort_by_looks([0.5], 3, *SENSOR, variant="printed")
     assert effort[0] == pytest.approx(np.array([2.769, 2.168, 1.567, 1.153]), abs=5e-4)
 

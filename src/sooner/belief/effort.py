@@ -61,8 +61,7 @@ def expected_search_time(
     -----
     The printed equation integrates t e^(-t / tau) / tau up to T_neg and stops: targets that are there but not found
     in time, of probability P0 e^(-T_neg / tau), are searched for T_neg as well, and are left out. The difference is
-    T_neg (1 - P0) P_neg / (1 - P_neg), at P0 = 0.5 and P_neg = 1 % less than a hundredth. The paper's own columns of
-    effort follow the printed one.
+    T_neg (1 - P0) P_neg / (1 - P_neg), at P0 = 0.5 and P_neg = 1 % less than a hundredth.
 
     Examples
     --------
@@ -111,7 +110,7 @@ def effort_by_looks(
 
     Examples
     --------
-    The figures behind the paper's columns, at 0, 1, 2 and 3 looks:
+    The paper's sensor and threshold, at 0, 1, 2 and 3 looks:
 
     >>> effort_by_looks([0.5], 3, 0.85, 0.15, variant="printed").round(3)
     array([[2.769, 2.168, 1.567, 1.153]])
