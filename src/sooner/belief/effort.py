@@ -61,7 +61,7 @@ def expected_search_time(
     -----
     The printed equation integrates t e^(-t / tau) / tau up to T_neg and stops: targets that are there but not found
     in time, of probability P0 e^(-T_neg / tau), are searched for T_neg as well, and are left out. The difference is
-    T_neg (1 - P0) P_neg / (1 - P_neg), at P0 = 0.5 and P_neg = 1 % less than a hundredth.
+    T_neg (1 - P0) P_neg / (1 - P_neg), 0.023 of 2.793 at P0 = 0.5 and P_neg = 1 %.
 
     Examples
     --------
