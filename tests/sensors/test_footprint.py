@@ -90,7 +90,7 @@ def test_a_diagonal_step_sees_its_two_cells_and_a_line_along_an_edge_one_side() 
     assert swept_cells(grid, [[0, 2], [2, 0]], 0.0)[0].tolist() == [0, 4, 8]
     assert swept_cells(grid, [[0, 0], [2, 2]], 0.0)[0].tolist() == [2, 4, 6]
     assert len(swept_cells(grid, [[0, 0.5], [2, 0.5]], 0.0)[0]) == 3
-    assert swept_cells(grid, [[0.5, 0.5]], 0.0)[0].tolist() == [5]
+    assert swept_cells(grid, [[0.5, 0.5]], 0.0)[0].tolist() == [7]
 
 
 def test_the_radius_itself_is_within() -> None:

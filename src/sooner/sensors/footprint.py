@@ -23,7 +23,8 @@ def swept_cells(
 
     A centre at the radius is in view; so is one up to 1e-9 of a cell beyond it, for which s is where it is nearest.
     However small the radius, a look covers at least the cell below: every cell that a leg is over for more than 1e-6
-    of a cell, or in which a leg begins, belongs to F (from sqrt(1/2) of a cell on, the radius alone sees to that).
+    of a cell, or in which a leg begins, belongs to F (from sqrt(1/2) of a cell on, the radius alone sees to that). An
+    edge between two cells belongs to the southern or eastern one.
 
     Parameters
     ----------
