@@ -119,8 +119,8 @@ class _Flying:
         try:
             while True:
                 begun = self._begun()
-                ended, self.ended = self.ended, []
-                self.ledger.write(ended, begun)
+                self.ledger.write(self.ended, begun)
+                self.ended = []
                 for trial in begun:
                     self.crew.start(trial)
                 if not self.in_air:
@@ -144,8 +144,8 @@ class _Flying:
     def _take(self, outcome: Outcome) -> None:
         if outcome.trial not in self.in_air:  # a cluster may answer twice
             return
-        self.in_air.remove(outcome.trial)
         self._same_source(outcome)
+        self.in_air.remove(outcome.trial)
         state = self._state(outcome)
         self.ended.append((outcome, state))
         self.pace.take(outcome, state)

@@ -97,6 +97,8 @@ class Ledger:
         self.path, self.study = path, study
         self._case_ids: dict[str, int] = {}
         self._provenance_ids: dict[str, int] = {}
+        if path.is_dir():
+            raise self._refusal("it is a folder; expected a file", "give another --out")
         with self._told():
             self._lock = _locked(path)
             try:
@@ -125,7 +127,7 @@ class Ledger:
         (application,) = self._base.execute("PRAGMA application_id").fetchone()
         (version,) = self._base.execute("PRAGMA user_version").fetchone()
         (tables,) = self._base.execute("SELECT count(*) FROM sqlite_master").fetchone()
-        if application == 0 and tables == 0:  # new, or left by a campaign that was killed in this moment
+        if application == 0 and version == 0 and tables == 0:  # new, or its maker was killed
             self._begin()
         elif application != APPLICATION:
             raise self._refusal("it is a database, but no ledger of sooner's")
@@ -139,6 +141,9 @@ class Ledger:
         (theirs,) = self._base.execute("SELECT study FROM ledger").fetchone()
         if theirs != self.study:
             raise self._refusal(f"it is the ledger of the study {theirs!r}, not of {self.study!r}")
+        (sound,) = self._base.execute("PRAGMA quick_check(1)").fetchone()  # half a second for a million trials
+        if sound != "ok":
+            raise self._refusal(f"it is a damaged ledger ({sound})")
         self._base.execute("PRAGMA journal_mode = WAL")  # where the disk cannot, it stays as it was: slower, as durable
         self._base.execute("PRAGMA synchronous = FULL")
         self._base.execute("UPDATE ledger SET study = study")  # asks the disk whether we may write
@@ -245,8 +250,8 @@ class Ledger:
 
     def provenances(self, cases: Iterable[Case]) -> list[tuple[dict[str, Any], int]]:
         """What flew the trials that are done, and how many of them."""
-        known = {id_ for case in cases if (id_ := self._known(case)) >= 0}
         with self._told():
+            known = {id_ for case in cases if (id_ := self._known(case)) >= 0}
             rows = self._base.execute(
                 "SELECT case_id, text, count(*) FROM trials JOIN provenance ON provenance.id = provenance_id "
                 "WHERE state = ? GROUP BY case_id, provenance_id",
@@ -260,8 +265,8 @@ class Ledger:
 
     def failures(self, cases: Iterable[Case]) -> list[tuple[Trial, str, str]]:
         """Trials that are set aside, how their last attempt ended, and why."""
-        by_id = {self._known(case): case for case in cases}
         with self._told():
+            by_id = {self._known(case): case for case in cases}
             rows = self._base.execute(
                 "SELECT case_id, seed, ending, reason FROM trials JOIN failures ON trial_id = trials.id "
                 "WHERE state = ? GROUP BY trials.id HAVING failures.id = max(failures.id) ORDER BY case_id, seed",

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import sys
 import threading
 from queue import Empty, SimpleQueue
 
 from sooner.campaigns.slot import Slot
 from sooner.campaigns.trial import Limits, Outcome, Place, Trial
+from sooner.errors import DataFormatError, Fault
 
 __all__ = ["Pool", "cores", "share_of_memory_mb"]
 
@@ -25,7 +27,7 @@ class Pool:
     def __init__(self, workers: int, place: Place, limits: Limits) -> None:
         self.workers = workers
         self._asked: SimpleQueue[Trial | None] = SimpleQueue()
-        self._ended: SimpleQueue[Outcome] = SimpleQueue()
+        self._ended: SimpleQueue[Outcome | OSError] = SimpleQueue()
         self._slots = [Slot(place, limits) for _ in range(workers)]
         self._threads = [threading.Thread(target=self._serve, args=(slot,), daemon=True) for slot in self._slots]
         self._closed = False
@@ -42,12 +44,21 @@ class Pool:
         self._asked.put(trial)
 
     def ended(self, wait_s: float) -> list[Outcome]:
-        """What has come to its end, after waiting so long at most for the first."""
-        found = []
+        """What has come to its end, after waiting so long at most for the first.
+
+        Raises
+        ------
+        DataFormatError       this machine starts no processes: too many, no memory, no room for their messages
+        """
+        found: list[Outcome] = []
         try:
-            found.append(self._ended.get(timeout=wait_s))
             while True:
-                found.append(self._ended.get_nowait())
+                outcome = self._ended.get(timeout=0.0 if found else wait_s)
+                if isinstance(outcome, OSError):
+                    came = f"no process can be started ({outcome})"
+                    expected = "mend that and give the same command again; every trial that was recorded is kept"
+                    raise DataFormatError(Fault(sys.executable, "", came, expected))
+                found.append(outcome)
         except Empty:
             return found
 
@@ -62,8 +73,11 @@ class Pool:
 
     def _serve(self, slot: Slot) -> None:
         while not self._closed and (trial := self._asked.get()) is not None:
-            self._ended.put(slot.run(trial))
-        slot.close()
+            try:
+                self._ended.put(slot.run(trial))
+            except OSError as error:
+                self._ended.put(error)
+        slot.drop()
 
 
 def cores() -> int:

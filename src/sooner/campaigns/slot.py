@@ -74,6 +74,18 @@ class Slot:
         if (process := self._process) is not None:
             process.kill()
 
+    def drop(self) -> None:
+        """End the process and let go of its pipes; for the thread that runs trials here, or after it."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
+            with suppress(OSError):  # a row that nobody read
+                if self._process.stdin is not None:
+                    self._process.stdin.close()
+        if self._errors is not None:
+            self._errors.close()
+        self._process = self._errors = None
+
     def _ready(self) -> _End | None:
         """A process that waits for a row; or how it failed to come up."""
         if self._process is not None and self._process.poll() is None:
@@ -86,7 +98,7 @@ class Slot:
         return None
 
     def _start(self) -> None:
-        self._drop()
+        self.drop()
         self._lines = SimpleQueue()
         self._errors = tempfile.TemporaryFile("ab+")  # noqa: SIM115
         self._process = subprocess.Popen(
@@ -117,12 +129,16 @@ class Slot:
 
     def _line(self, limits: Limits) -> str | _End:
         """What the process says next, or how it ended."""
-        began = time.perf_counter()
+        assert self._process is not None
+        began, over = time.perf_counter(), False
         while True:
             try:
                 line = self._lines.get(timeout=WATCH_S)
             except Empty:
                 taken = time.perf_counter() - began
+                if over:  # it ended a while ago, but a process of its own keeps the pipe open
+                    return self._ended("crash", taken)
+                over = self._process.poll() is not None
                 if taken > limits.seconds:
                     return self._ended("hang", taken, f"it had no answer after {limits.seconds:g} s")
                 if (used := self._resident_mb()) > limits.memory_mb:
@@ -150,7 +166,7 @@ class Slot:
             ending = "killed" if -code in FROM_OUTSIDE else ending
             reason = f"its process ended with {_named(code)}"
         reason = f"{reason}\n{self._last_words()}".strip()
-        self._drop()
+        self.drop()
         return _End(ending, reason, seconds)
 
     def _last_words(self) -> str:
@@ -159,20 +175,10 @@ class Slot:
         self._errors.seek(max(size - 4000, 0))
         return self._errors.read().decode("utf-8", "replace")
 
-    def _drop(self) -> None:
-        if self._process is not None:
-            self._process.kill()
-            self._process.wait()
-            for pipe in (self._process.stdin, self._errors):
-                with suppress(OSError):  # a row that nobody read
-                    if pipe is not None:
-                        pipe.close()
-        self._process = self._errors = None
-
 
 def _relay(answers: IO[str], lines: SimpleQueue[str]) -> None:
     """Hand whole lines on until the process ends; then an empty one."""
-    with answers:
+    with suppress(ValueError), answers:  # bytes that are no text
         for line in answers:
             if line.endswith("\n"):
                 lines.put(line)

@@ -85,7 +85,7 @@ def _flown(fly: Fly, trial: Trial, place: Place) -> dict[str, Any]:
     _forget_peak()
     wall, cpu = time.perf_counter(), time.process_time()
     try:
-        said: dict[str, Any] = {"answer": json.dumps(fly(trial, place), default=_plain)}
+        said: dict[str, Any] = {"answer": json.dumps(_object(fly(trial, place)), default=_plain)}
     except MemoryError:
         said = {"ending": "memory", "reason": traceback.format_exc()}
     except Exception:
@@ -95,6 +95,12 @@ def _flown(fly: Fly, trial: Trial, place: Place) -> dict[str, Any]:
         "cpu_s": time.process_time() - cpu,
         "memory_mb": _peak_mb(),
     }
+
+
+def _object(answer: Any) -> Mapping[str, Any]:
+    if not isinstance(answer, Mapping):
+        raise TypeError(f"the trial returned {type(answer).__name__}; expected an object, as {{'value': 1.5}}")
+    return dict(answer)
 
 
 def _plain(value: Any) -> Any:
