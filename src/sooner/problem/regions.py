@@ -102,8 +102,8 @@ class RegionMoves:
         """Enough seconds to get from the start to the end."""
         if not (np.isfinite(searcher.budget) and searcher.budget > 0):
             raise InvalidProblemError(f"a budget of {searcher.budget} s came; expected a positive number")
-        least = self.leg_s + (float(self.from_first[self.last]) if self.last >= 0 else 0.0)
-        if least > searcher.budget + ROUNDING_S:
+        least = self.leg_s + float(self.from_first[self.last])
+        if self.last >= 0 and least > searcher.budget + ROUNDING_S:
             raise InfeasibleProblemError(
                 f"the way from start to end alone takes {least:.1f} s; the budget is {searcher.budget:g} s"
             )
