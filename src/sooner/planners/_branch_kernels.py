@@ -272,3 +272,87 @@ def branch(
             _push(heap_keys, heap, state[OPEN], first, child)
             state[OPEN] += 1
     return -1, furthest
+
+
+@njit(cache=True, nogil=True)
+def _left(ground, counts, more, limit):
+    """Seconds left after actions flown so often, and one more: always summed in the same order."""
+    seconds = ground[0]
+    taken = 0.0
+    for action in range(len(counts)):
+        taken += (counts[action] + (1 if action == more else 0)) * seconds[action]
+    return limit - taken
+
+
+@njit(cache=True, nogil=True)
+def _placed(ground, counts, places):
+    """Places of all atoms after actions flown so often."""
+    _, _, _, _, _, _, starts, atoms, _, _, _, pay, _, _, rows = ground
+    last = len(pay) // len(rows) - 1
+    places[:] = rows
+    for action in range(len(counts)):
+        if counts[action] > 0:
+            for entry in range(starts[action], starts[action + 1]):
+                places[atoms[entry]] += counts[action]
+    for atom in range(len(rows)):
+        places[atom] = min(places[atom], rows[atom] + last)
+
+
+@njit(cache=True, nogil=True)
+def next_layer(
+    ground, numbers, counts, regions, keys, limit, legs, after, after_key, best, alpha, eta, apart,
+    table, state, links, hopes, child_keys, solved,
+):  # fmt: skip
+    """Children of a layer of nodes that could be worth it, for `BeamStack`; answers how many.
+
+    counts (W, A) says how often each node flew each action; limit is the time in all, legs what was paid before.
+    links (M, 3), hopes (M, 2), child_keys (M,) receive the node before, the action, the region; R + alpha (g - R)
+    [Kuhlman2017, eq. (5)] and R; and the key. Children that do not come after (`after`, `after_key`), by hope and then
+    by key, were there before and are left out. `best` (1,) is B; solved (2,) the node and action of a new one.
+
+    Whatever the order of its actions, a walk has the same R and g to the last digit: everything is summed up anew.
+    """
+    ends, pay, sums = ground[2], ground[11], ground[13]
+    n_actions, n_atoms = len(numbers), len(ground[14])
+    places, now = np.empty(n_atoms, np.int64), np.empty(n_atoms, np.int64)
+    rates, picks, found = np.empty(n_actions), np.empty(n_actions, np.int64), np.empty(n_actions, np.int64)
+    kept = 0
+    for node in range(len(regions)):
+        state[EXPANDED] += 1
+        _placed(ground, counts[node], places)
+        left = _left(ground, counts[node], -1, limit)
+        for n in range(_opened(ground, regions[node], left, state, False, found)):
+            action = found[n]
+            state[GENERATED] += 1
+            key = (keys[node] + numbers[action]) & BITS
+            if not is_new(table, key):
+                continue
+            state[SEEN] += 1
+            now[:] = places
+            for entry in range(ground[6][action], ground[6][action + 1]):
+                atom = ground[7][entry]
+                if pay[now[atom]] > 0.0:
+                    now[atom] += 1
+            paid = legs
+            for atom in range(n_atoms):
+                paid += sums[now[atom]]
+            region = ends[action, 0] + ends[action, 1] - regions[node]
+            then = _left(ground, counts[node], action, limit)
+            if _complete(ground, region, then):
+                if paid > best[0]:
+                    best[0] = paid
+                    state[SOLVED] += 1
+                    solved[0], solved[1] = node, action
+                continue
+            enough = (1.0 + eta) * best[0] if best[0] > NEVER else NEVER
+            _rates(ground, now, rates)
+            g = most(ground, now, rates, paid, then, enough, apart, picks)
+            if g <= enough:
+                continue
+            hope = paid + alpha * (g - paid)
+            if hope > after or (hope == after and key <= after_key):
+                continue
+            links[kept, BEFORE], links[kept, ACTION], links[kept, REGION] = node, action, region
+            hopes[kept, 0], hopes[kept, 1], child_keys[kept] = hope, paid, key
+            kept += 1
+    return kept

@@ -13,8 +13,8 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from sooner.errors import InfeasibleProblemError, InvalidProblemError
-from sooner.planners.region_ground import RegionGround, single_region_searcher
 from sooner.problem import Incumbent, Plan, SearchProblem, evaluate
+from sooner.problem.region_ground import RegionGround, single_region_searcher
 
 __all__ = ["BranchAndBound", "DepthFirstBranchAndBound", "Searched"]
 
