@@ -1,4 +1,4 @@
-"""Regions: what they promise of labels and neighbours, against scipy's labelling and walks over a networkless graph."""
+"""Regions: what they promise of labels and neighbours, worked out cell by cell."""
 
 import numpy as np
 import pytest
