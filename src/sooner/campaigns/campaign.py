@@ -242,7 +242,8 @@ def _missing(cases: Sequence[tuple[Case, range]], ledger: Ledger) -> Iterator[Tr
         todo.append((case, seeds, mine))
         late = asked & (states == WAITING) & (interrupted > 0)
         last += [(int(n), Trial(case, int(seed))) for seed, n in zip(begun[late], interrupted[late], strict=True)]
-    for seed in range(min((s.start for _, s in cases), default=0), max((s.stop for _, s in cases), default=0)):
+    wanted = [np.flatnonzero(mine) + seeds.start for _, seeds, mine in todo]
+    for seed in np.unique(np.concatenate(wanted)).tolist() if wanted else ():
         for case, seeds, mine in todo:
             if seed in seeds and mine[seed - seeds.start]:
                 yield Trial(case, seed)

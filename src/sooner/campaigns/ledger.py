@@ -252,14 +252,16 @@ class Ledger:
         """What flew the trials that are done, and how many of them."""
         with self._told():
             known = {id_ for case in cases if (id_ := self._known(case)) >= 0}
-            rows = self._base.execute(
-                "SELECT case_id, text, count(*) FROM trials JOIN provenance ON provenance.id = provenance_id "
-                "WHERE state = ? GROUP BY case_id, provenance_id",
+            texts = dict(self._base.execute("SELECT id, text FROM provenance"))
+            rows = self._base.execute(  # as they lie: a quarter of the time of going by the index
+                "SELECT case_id, provenance_id, count(*) FROM trials NOT INDEXED WHERE state = ? "
+                "GROUP BY case_id, provenance_id",
                 (DONE,),
             ).fetchall()
         found: dict[str, int] = {}
-        for case_id, text, count in rows:
+        for case_id, provenance_id, count in rows:
             if case_id in known:
+                text = texts[provenance_id]
                 found[text] = found.get(text, 0) + count
         return [(json.loads(text), count) for text, count in found.items()]
 
