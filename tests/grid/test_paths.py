@@ -172,6 +172,14 @@ def test_a_string_bends_at_both_corners_of_a_block_though_the_path_did_not() -> 
     assert string_pulled(grid, high) == pytest.approx(np.array([[0, 0], [3, 8], [9, 8], [12, 0]]))
 
 
+def test_a_waypoint_that_comes_twice_does_not_straighten_a_bend_around_an_obstacle() -> None:
+    grid = Grid((3, 3), obstacles=np.array([[0, 0, 0], [0, 1, 0], [0, 0, 0]], bool))
+    path = np.array([[0, 0], [0, 2], [0, 2], [2, 2]], float)
+    assert string_pulled(grid, path).tolist() == [[0, 0], [0, 2], [2, 2]]
+    assert string_pulled(grid, path[[1, 1, 1]]).tolist() == [[0, 2]]
+    assert string_pulled(grid, path[:1]).tolist() == [[0, 0]]
+
+
 def test_pruning_keeps_a_waypoint_only_where_the_way_turns_more_than_the_threshold() -> None:
     bend = np.array([[0, 0], [10, 0], [20, 0.5], [30, 10]])
     assert pruned(bend).tolist() == [[0, 0], [20, 0.5], [30, 10]]

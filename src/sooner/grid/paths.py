@@ -24,6 +24,8 @@ __all__ = [
     "way",
 ]
 
+MARKS = 64  # cell centres along a leg at which a string may bend anew
+
 
 def shortest_path(grid: Grid, start: int, goal: int) -> NDArray[np.int64]:
     """Cells of a shortest 8-connected way between two cells that cuts no obstacle's corner.
@@ -198,10 +200,10 @@ def pruned(path: ArrayLike, degrees: float = 5.0) -> NDArray[np.float64]:
 def string_pulled(grid: Grid, path: ArrayLike) -> NDArray[np.float64]:
     """A way pulled taut between its ends, like a string around the obstacles.
 
-    Three steps take turns until none of them shortens the way: mark it out by cell centres along its legs; keep the
-    shortest sequence of these in which each sees the next (exact, by dynamic programming); move waypoints by single
-    cells. So the result is never longer, is clear, and pulling it again changes nothing. It is taut, not the shortest
-    of all: it stays on the side of an obstacle on which it came.
+    Three steps take turns until none of them shortens the way: keep the shortest sequence of waypoints in which each
+    sees the next (exact, by dynamic programming); move waypoints by single cells; let every bend become several, by the
+    first step over cell centres along its two legs. So the result is never longer, is clear, and pulling it again
+    changes nothing. It is taut, not the shortest of all: it stays on the side of an obstacle on which it came.
 
     Parameters
     ----------
@@ -229,10 +231,8 @@ def string_pulled(grid: Grid, path: ArrayLike) -> NDArray[np.float64]:
                 " the map; expected a path whose legs are clear"
             )
     changed = False
-    while len(places) > 1:
-        marks = _marked_out(grid.passable.reshape(height, width), places)
-        taut = marks[shortcut(grid.passable, width, marks)]
-        slide(grid.passable, width, taut)
+    while len(places) > 2:
+        taut = _tightened(grid.passable.reshape(height, width), places)
         if _length(taut) > _length(places) - TOUCH and len(taut) >= len(places):
             break
         places, changed = taut, True
@@ -293,11 +293,32 @@ def _length(places: NDArray[np.float64]) -> float:
     return float(np.hypot(*np.diff(places, axis=0).T).sum())
 
 
+def _tightened(passable: NDArray[np.bool_], places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """One round of `string_pulled` over (row, column) places."""
+    flat, width = passable.ravel(), passable.shape[1]
+    places = places[np.append(True, np.any(np.diff(places, axis=0) != 0, axis=1))]
+    bends = places[np.concatenate([[True], turns_rad(places) > TOUCH, [True]])] if len(places) > 1 else places
+    kept = shortcut(flat, width, bends)
+    places = bends[kept] if kept[0] == 0 else places[shortcut(flat, width, places)]  # 0: each sees the next still
+    slide(flat, width, places)
+    k = 1
+    while k < len(places) - 1:
+        bend = places[k - 1 : k + 2]
+        marks = _marked_out(passable, bend)
+        taut = marks[shortcut(flat, width, marks)]
+        if len(taut) < 3 or _length(taut) < _length(bend) - TOUCH:
+            places = np.concatenate([places[: k - 1], taut, places[k + 2 :]])
+            k += len(taut) - 2
+        else:
+            k += 1
+    return places
+
+
 def _marked_out(passable: NDArray[np.bool_], places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The places of a way, and between them the free cell centres nearest to it, one for each cell of length."""
+    """The places of a way, and between them free cell centres nearest to it, one a cell and at most MARKS a leg."""
     marks = [places[:1]]
     for a, b in pairwise(places):
-        count = int(np.ceil(np.hypot(*(b - a))))
+        count = min(int(np.ceil(np.hypot(*(b - a)))), MARKS)
         between = np.rint(a + (b - a) * (np.arange(1, count)[:, None] / max(count, 1)))
         rows, cols = np.clip(between.astype(np.int64), 0, np.array(passable.shape) - 1).T
         marks += [between[passable[rows, cols]], b[None]]

@@ -10,9 +10,9 @@ __all__ = [
     "Camera",
     "glimpse_from_difficulty",
     "miss_after_looks",
-    "swept_cells",
     "speed_to_steer",
     "speed_to_stop",
     "steering_distance",
     "stopping_distance",
+    "swept_cells",
 ]
