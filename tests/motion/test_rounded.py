@@ -1,4 +1,5 @@
 import itertools
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -7,7 +8,6 @@ from hypothesis import strategies as st
 
 from sooner.errors import InvalidProblemError
 from sooner.motion import Dynamics, Trajectory, integrated, rounded
-from sooner.motion import rounded as rounded_function
 from tests.motion.test_trajectory import drones, ways
 
 
@@ -70,7 +70,7 @@ def test_a_coverage_plan_keeps_its_speed_through_wide_turns() -> None:
 def test_no_choice_of_the_same_radii_by_hand_is_faster() -> None:
     """Brute force over radii of all corners; what is left to find is between the few radii that are tried."""
     drone, way = Dynamics(3.0, 1.5), np.array([[0, 0], [7, 0], [7, 4], [2, 9], [12, 9]], float)
-    module = __import__("sooner.motion.rounded", fromlist=["_flown"])
+    module = import_module("sooner.motion.rounded")
     bends, steps = np.arange(5), np.diff(way, axis=0)
     lengths, turns = np.hypot(*steps.T), module.turns_rad(way)
     choices = [
@@ -116,4 +116,4 @@ def test_ways_without_corners_stop_where_they_must(way: list) -> None:
 
 def test_a_negative_radius_is_refused() -> None:
     with pytest.raises(InvalidProblemError, match="expected at least 0"):
-        rounded_function([[0, 0], [1, 0]], Dynamics(1.0, 1.0), radius_m=-1.0)
+        rounded([[0, 0], [1, 0]], Dynamics(1.0, 1.0), radius_m=-1.0)

@@ -45,7 +45,7 @@ def rounded(
     ----------
     waypoints : (n, 2) float       metres east and north, n >= 1
     dynamics : Dynamics
-    radius_m : float or None       largest radius allowed; left out: r_crit, where an arc is flown at v_max
+    radius_m : float or None       largest radius allowed; left out, and at most: r_crit, where an arc is flown at v_max
     deviation_m : float            farthest that the course may leave the polyline
 
     Returns
