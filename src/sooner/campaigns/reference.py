@@ -58,9 +58,12 @@ _OWN = """\
 JSON can hold; numbers and yes or no become measures, lists are kept in the ledger only.
 
 ```python
+import numpy as np
+
+
 def fly(trial, place):
     rng = np.random.default_rng(trial.seed)
-    said = trial.instance                   # what stands in the instance's braces; so trial.planner, trial.budget
+    said = trial.instance  # what stands in the instance's braces; so trial.planner, trial.budget
     return {"found": bool(rng.random() < said["chance"]), "timing": {"seconds": 0.1}}
 ```
 
