@@ -33,7 +33,7 @@ def test_never_slower_than_stopping_within_limits_and_as_near_as_it_says(way, dr
     flight = rounded(way, drone, deviation_m=deviation)
     assert flight.duration <= drone.seconds(way, "turns") * (1 + 1e-9)
     flown = integrated(flight, dt=0.01)
-    assert max(flown.end_m, flown.end_mps, flown.off_m) < 5e-3
+    assert max(flown.end_m, flown.end_mps, flown.off_m) < 1e-3
     assert flown.top_mps <= drone.v_max * (1 + 1e-4)
     assert flown.top_mps2 <= drone.a_max * (1 + 1e-6)
     off = to_polyline(flight.sample(0.02)[1], way).max()

@@ -201,9 +201,9 @@ def string_pulled(grid: Grid, path: ArrayLike) -> NDArray[np.float64]:
     """A way pulled taut between its ends, like a string around the obstacles.
 
     Three steps take turns until none of them shortens the way: keep the shortest sequence of waypoints in which each
-    sees the next (exact, by dynamic programming); move waypoints by single cells; let every bend become several, by the
-    first step over cell centres along its two legs. So the result is never longer, is clear, and pulling it again
-    changes nothing. It is taut, not the shortest of all: it stays on the side of an obstacle on which it came.
+    sees the next (exact, by dynamic programming); move waypoints by single cells; let bends become several, by the
+    first step over cell centres along a few legs at a time. So the result is never longer, is clear, and pulling it
+    again changes nothing. It is taut, not the shortest of all: it may stay on the longer side of an obstacle.
 
     Parameters
     ----------
@@ -301,17 +301,22 @@ def _tightened(passable: NDArray[np.bool_], places: NDArray[np.float64]) -> NDAr
     kept = shortcut(flat, width, bends)
     places = bends[kept] if kept[0] == 0 else places[shortcut(flat, width, places)]  # 0: each sees the next still
     slide(flat, width, places)
-    k = 1
-    while k < len(places) - 1:
-        bend = places[k - 1 : k + 2]
-        marks = _marked_out(passable, bend)
+    for k in range(len(places)):
+        stop = _stretch(places, k)
+        legs = places[k:stop]
+        marks = _marked_out(passable, legs)
         taut = marks[shortcut(flat, width, marks)]
-        if len(taut) < 3 or _length(taut) < _length(bend) - TOUCH:
-            places = np.concatenate([places[: k - 1], taut, places[k + 2 :]])
-            k += len(taut) - 2
-        else:
-            k += 1
+        if len(taut) < len(legs) or _length(taut) < _length(legs) - TOUCH:
+            places = np.concatenate([places[:k], taut, places[stop:]])
+        if stop >= len(places):
+            break
     return places
+
+
+def _stretch(places: NDArray[np.float64], k: int) -> int:
+    """End of the longest run of places from k on with at most 3 MARKS marks between, or else of the next two legs."""
+    counts = np.minimum(np.ceil(np.hypot(*np.diff(places[k:], axis=0).T)), MARKS)
+    return k + max(int(np.searchsorted(np.cumsum(counts), 3 * MARKS, "right")) + 1, min(3, len(places) - k))
 
 
 def _marked_out(passable: NDArray[np.bool_], places: NDArray[np.float64]) -> NDArray[np.float64]:

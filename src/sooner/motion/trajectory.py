@@ -241,10 +241,11 @@ class Flown:
 def integrated(trajectory: Trajectory, dt: float = 0.01) -> Flown:
     """Integrate r'' = u(t) in the plane by small steps, from rest, knowing nothing but the control.
 
-    v' = v + h u(t + h/2),   r' = r + h (v + v') / 2          [Kuhlman2017, eq. (6)]
+    v' = v + h (u_1 + u_2) / 2,   r' = r + h v + h^2 (w_1 u_1 + w_2 u_2) / 2          [Kuhlman2017, eq. (6)]
 
-    Steps of at most `dt` seconds end where the control jumps, so that straights are exact and the error of an arc is of
-    second order. A duration that is too short or too long shows as `end_m` and `end_mps`.
+    u_1, u_2 at Gauss's two points t + c h of each step, w = 1 - c. Steps of at most `dt` seconds end where the control
+    jumps, so that straights are exact and the error of an arc is of fourth order. A duration that is too short or too
+    long shows as `end_m` and `end_mps`.
 
     Examples
     --------
@@ -254,12 +255,14 @@ def integrated(trajectory: Trajectory, dt: float = 0.01) -> Flown:
     """
     times = np.union1d(trajectory.sample(dt)[0], trajectory.knot_s)
     h = np.diff(times)[:, None]
-    u = trajectory.control(times[:-1] + h[:, 0] / 2)
+    early, late = 0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)
+    u_1, u_2 = (trajectory.control(times[:-1] + c * h[:, 0]) for c in (early, late))
     still = np.zeros((1, 2))
-    v = np.concatenate([still, np.cumsum(h * u, axis=0)])
-    r = trajectory.course.at(0.0) + np.concatenate([still, np.cumsum(h * (v[1:] + v[:-1]) / 2, axis=0)])
+    v = np.concatenate([still, np.cumsum(h * (u_1 + u_2) / 2, axis=0)])
+    moved = h * v[:-1] + h**2 * (late * u_1 + early * u_2) / 2
+    r = trajectory.course.at(0.0) + np.concatenate([still, np.cumsum(moved, axis=0)])
     off = np.hypot(*(r - trajectory.at(times)[0]).T)
     speeds = np.hypot(*v.T)
-    top = float(np.hypot(*u.T).max()) if len(u) else 0.0
+    top = float(np.hypot(*u_1.T).max(initial=0.0))
     end = float(np.hypot(*(r[-1] - trajectory.course.at(trajectory.length_m))))
     return Flown(end, float(speeds[-1]), float(off.max()), float(speeds.max()), top)
