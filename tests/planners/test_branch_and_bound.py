@@ -18,7 +18,7 @@ from sooner.problem.atoms import Footprints, atom_gains, atoms_of
 from sooner.problem.regions import RegionGraph, RegionMoves
 from tests.planners.region_worlds import COLUMNS, best_by_enumeration, cell_gains, region_world
 
-PLANNERS = [BranchAndBound(), DepthFirstBranchAndBound(), BranchAndBound(apart=True)]
+PLANNERS = [BranchAndBound(), DepthFirstBranchAndBound(), BranchAndBound(apart=True, early=True)]
 
 
 def disjoint_world(seed: int = 0, **how) -> SearchProblem:
@@ -76,7 +76,7 @@ def test_without_overlaps_patience_finds_the_optimum(seed, ends):
     most = best_by_enumeration(problem)
     for planner in (
         BranchAndBound(alpha=1.0, eta=0.0, iterations=inf),
-        BranchAndBound(alpha=0.3, eta=0.0, iterations=inf),
+        BranchAndBound(alpha=0.3, eta=0.0, iterations=inf, early=True),
         BranchAndBound(alpha=1.0, eta=0.0, iterations=inf, apart=True),
         DepthFirstBranchAndBound(iterations=inf),
     ):
@@ -155,6 +155,19 @@ def test_records_tell_of_the_first_solution_and_never_of_a_worse_one(planner):
     assert last.generated >= last.evaluated >= last.stored - 1
     assert last.iterations == 6000 or last.finished
     assert evaluate(problem, Plan.of(list(solved[-1].walk))).value >= last.value - 1e-9
+
+
+@pytest.mark.parametrize("planner", [BranchAndBound(), DepthFirstBranchAndBound()], ids=repr)
+def test_early_solutions_come_no_later_and_are_more(planner):
+    found = {True: 0, False: 0}
+    for seed in range(4):
+        problem, first = region_world(seed, n_regions=6, budget=40.0, extra=4), {}
+        for early in found:
+            records = list(replace(planner, early=early).searched(problem, np.random.default_rng(0)))
+            first[early] = next(record.iterations for record in records if record.success)
+            found[early] += records[-1].solutions
+        assert first[True] <= first[False]
+    assert found[True] > found[False]
 
 
 def test_before_the_first_solution_there_is_a_plan_but_no_success():

@@ -217,19 +217,21 @@ def _replayed(ground, links, node, places):
 
 @njit(cache=True, nogil=True)
 def branch(
-    ground, numbers, links, worth, keys, heap_keys, heap, table, state, best, alpha, eta, depth_first, apart, until
-):
-    """Algorithms 1 to 3 of [Kuhlman2017], until `until` nodes are popped, none is open, or a better solution is.
+    ground, numbers, links, worth, keys, heap_keys, heap, table, state, best,
+    alpha, eta, depth_first, apart, early, until,
+):  # fmt: skip
+    """Algorithms 1 to 3 of [Kuhlman2017], until `until` nodes are popped, none is open, or a better solution is found.
 
     numbers (A,) are those that keys add up. best (2,) holds the value of the best complete walk, B, and that of the
-    best walk popped, complete or not; answers the nodes of both, -1 where neither is new.
+    best walk popped, complete or not; answers the nodes of both, -1 where neither is new. `early` takes a walk for
+    complete where one of the actions that could begin does not fit, and goes on from it all the same.
     """
     ends = ground[2]
     n_actions = len(numbers)
     places, now = np.empty(len(ground[14]), np.int64), np.empty(len(ground[14]), np.int64)
     rates, later = np.empty(n_actions), np.empty(n_actions)
     found, picks = np.empty(n_actions, np.int64), np.empty(n_actions, np.int64)
-    furthest = -1
+    furthest, solution = -1, -1
     while state[OPEN] > 0 and state[POPPED] < until:
         node = _pop(heap_keys, heap, state[OPEN])
         state[OPEN] -= 1
@@ -237,19 +239,20 @@ def branch(
         paid, left, region = worth[node, PAID], worth[node, LEFT], links[node, REGION]
         if node > 0 and paid >= best[1]:
             best[1], furthest = paid, node
-        if _complete(ground, region, left):
-            if node > 0 and paid > best[0]:
-                best[0] = paid
-                state[SOLVED] += 1
-                return node, furthest
-            continue
+        fit = _opened(ground, region, left, state, depth_first, found)
+        ended = fit == 0 or (early and fit < ground[3][region + 1] - ground[3][region])
+        if ended and node > 0 and paid > best[0]:
+            best[0], solution = paid, node
+            state[SOLVED] += 1
         enough = (1.0 + eta) * best[0] if best[0] > NEVER else NEVER
-        if worth[node, MOST] <= enough:
+        if fit == 0 or worth[node, MOST] <= enough:
+            if solution >= 0:
+                break
             continue
         state[EXPANDED] += 1
         _replayed(ground, links, node, places)
         _rates(ground, places, rates)
-        for n in range(_opened(ground, region, left, state, depth_first, found)):
+        for n in range(fit):
             action = found[n]
             state[GENERATED] += 1
             key = (keys[node] + numbers[action]) & BITS
@@ -271,7 +274,9 @@ def branch(
             first = float(child) if depth_first else gained + alpha * (hoped - gained)
             _push(heap_keys, heap, state[OPEN], first, child)
             state[OPEN] += 1
-    return -1, furthest
+        if solution >= 0:
+            break
+    return solution, furthest
 
 
 @njit(cache=True, nogil=True)

@@ -88,12 +88,16 @@ class BranchAndBound:
     iterations : float        nodes popped at most; 6000 there; inf: until none is open
     apart : bool              a looser g that lets no action take from what others pay: a bound even where footprints
                               overlap, not in the paper
+    early : bool              a walk is a solution as soon as one of the actions that could begin does not fit, and
+                              goes on all the same. The paper does not say what complete is; so the values of its
+                              first solutions and their number come out, and more runs have one
     """
 
     alpha: float = 0.8
     eta: float = 0.005
     iterations: float = 6000
     apart: bool = False
+    early: bool = False
 
     def __post_init__(self) -> None:
         _check(self.iterations, self.alpha, self.eta)
@@ -109,7 +113,7 @@ class BranchAndBound:
     def searched(self, problem: SearchProblem, rng: Generator) -> Iterator[Searched]:
         """Yield every few hundred iterations, and at every solution."""
         tree = _Tree(RegionGround.of(problem))
-        return tree.searched(self.iterations, (self.alpha, self.eta, False, self.apart))
+        return tree.searched(self.iterations, (self.alpha, self.eta, False, self.apart, self.early))
 
 
 @dataclass(frozen=True)
@@ -121,11 +125,12 @@ class DepthFirstBranchAndBound:
     Parameters
     ----------
     iterations : float        nodes popped at most; inf: until none is open
-    apart : bool              as in `BranchAndBound`
+    apart, early : bool       as in `BranchAndBound`
     """
 
     iterations: float = 6000
     apart: bool = False
+    early: bool = False
 
     def __post_init__(self) -> None:
         _check(self.iterations, 0.0, 0.0)
@@ -141,7 +146,7 @@ class DepthFirstBranchAndBound:
     def searched(self, problem: SearchProblem, rng: Generator) -> Iterator[Searched]:
         """Yield every few hundred iterations, and at every solution."""
         tree = _Tree(RegionGround.of(problem), int(rng.integers(1, 2**31 - 1)))
-        return tree.searched(self.iterations, (0.0, 0.0, True, self.apart))
+        return tree.searched(self.iterations, (0.0, 0.0, True, self.apart, self.early))
 
 
 def _check(iterations: float, alpha: float, eta: float) -> None:
@@ -230,8 +235,8 @@ class _Tree:
         self.best = np.array([-inf, -inf])
         self.walk: tuple[int, ...] = (quickest(ground),)
 
-    def searched(self, iterations: float, settings: tuple[float, float, bool, bool]) -> Iterator[Searched]:
-        """Records of the search; settings are alpha, eta, depth_first and apart."""
+    def searched(self, iterations: float, settings: tuple[float, float, bool, bool, bool]) -> Iterator[Searched]:
+        """Records of the search; settings are alpha, eta, depth_first, apart and early."""
         from sooner.planners._branch_kernels import OPEN, POPPED, branch
 
         began = time.perf_counter()
