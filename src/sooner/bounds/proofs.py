@@ -7,8 +7,10 @@ from math import inf
 
 from sooner.bounds.bound import Bound, Known
 from sooner.bounds.connected_subgraph import ASSUMES, ConnectedSubgraph
+from sooner.bounds.region_lp import RegionLP
 from sooner.bounds.soonest import soonest_bounds
 from sooner.problem import CellMoves, SearchProblem
+from sooner.problem.regions import RegionMoves
 
 __all__ = ["bounds"]
 
@@ -16,14 +18,19 @@ __all__ = ["bounds"]
 def bounds(problem: SearchProblem, known: Known = -inf) -> Iterator[Bound]:
     """Yield bounds that never rise, the quickest first, for as long as they are asked for.
 
-    Teleport, then connected subgraphs; for a target, the time that any plan needs. Nothing is yielded where nothing
-    is proved: the person moves, or moves are not over cells.
+    Over cells teleport, then connected subgraphs; for a target, the time that any plan needs. Over regions a linear
+    program. Nothing is yielded where nothing is proved: the person moves, moves are of several kinds, or a target is to
+    be reached over regions.
 
     Parameters
     ----------
     problem : SearchProblem
     known : float or callable      value of the best plan so far; a better one makes the proof quicker
     """
+    if problem.drift is None and all(isinstance(each.moves, RegionMoves) for each in problem.searchers):
+        if problem.objective.target is None:
+            yield from RegionLP().bounds(problem, known)
+        return
     if problem.drift is not None or not all(isinstance(each.moves, CellMoves) for each in problem.searchers):
         return
     if problem.objective.target is not None:
