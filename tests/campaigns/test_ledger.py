@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from sooner.campaigns import Case, Outcome, Trial, read_study, run_study
-from sooner.campaigns.ledger import ASIDE, DONE, WAITING, Ledger, set_aside
+from sooner.campaigns.ledger import ASIDE, DONE, WAITING, Ledger
 from sooner.errors import DataFormatError
 
 CASE = Case("here", "a", None, "{}")
@@ -267,15 +267,19 @@ def test_a_write_that_fails_leaves_nothing_of_itself(ledger):
     assert [row["state"] for row in ledger.rows(other, range(9))] == ["leased"]
 
 
-def test_a_ledger_put_aside_is_unharmed(tmp_path):
+def test_a_ledger_put_aside_is_unharmed_and_an_empty_one_takes_its_place(tmp_path):
     path = made(tmp_path / "trials.sqlite", 20)
-    first = set_aside(path)
-    made(path, 10)
-    second = set_aside(path)
-    assert (first.name, second.name, path.exists()) == ("trials-1.sqlite", "trials-2.sqlite", False)
-    for file, trials in ((first, 20), (second, 10)):
-        with Ledger(file, "Small") as ledger:
+    names = []
+    for trials in (20, 10):
+        with Ledger(path, "Small") as ledger:
+            aside = ledger.begin_anew()
+            assert ledger.counts(CASE, range(99)).done == 0
+        names.append(aside.name)
+        with Ledger(aside, "Small") as ledger:
             assert ledger.counts(CASE, range(99)).done == trials
+        path.unlink()
+        made(path, 10)
+    assert names == ["trials-1.sqlite", "trials-2.sqlite"]
 
 
 def test_results_of_other_code_are_mixed_in_only_when_asked_for(study, tmp_path, told):

@@ -170,8 +170,8 @@ class _Flying:
         theirs = json.loads(text)
         if not same_source(self.source, theirs):
             came = (
-                f"a worker answered with other code or other maps than ours (commit {theirs['commit'] or 'unknown'}, "
-                f"source {theirs['source']}, data {theirs['data'] or 'none'})"
+                f"a worker on {theirs['machine']} answered with other code or other maps than ours "
+                f"(commit {theirs['commit'] or 'unknown'}, source {theirs['source']}, data {theirs['data'] or 'none'})"
             )
             ours = f"source {self.source['source']}, data {self.source['data'] or 'none'}"
             raise DataFormatError(Fault(str(self.ledger.path), "", came, f"expected {ours} on every machine"))

@@ -20,7 +20,7 @@ import json
 import sqlite3
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from sooner.campaigns.trial import Case, Outcome, Trial
 from sooner.errors import DataFormatError, Fault
 
-__all__ = ["ASIDE", "DONE", "LEASED", "WAITING", "Counts", "Ledger", "set_aside"]
+__all__ = ["ASIDE", "DONE", "LEASED", "WAITING", "Counts", "Ledger"]
 
 LEASED, DONE, WAITING, ASIDE = 1, 2, 3, 4
 STATES = {LEASED: "leased", DONE: "done", WAITING: "waiting", ASIDE: "aside"}
@@ -157,6 +157,20 @@ class Ledger:
             self._base.execute("INSERT INTO ledger VALUES (?, ?, ?)", (self.study, __version__, time.time()))
             self._base.execute(f"PRAGMA application_id = {APPLICATION}")
             self._base.execute(f"PRAGMA user_version = {VERSION}")
+
+    def begin_anew(self) -> Path:
+        """Give this ledger another name and begin an empty one in its place; answers that name."""
+        number = 1
+        while (other := self.path.with_name(f"{self.path.stem}-{number}{self.path.suffix}")).exists():
+            number += 1
+        with self._told():
+            self._base.close()  # what still stood in its log goes into the file
+            self.path.replace(other)
+            self._case_ids.clear()
+            self._provenance_ids.clear()
+            self._base = sqlite3.connect(self.path, isolation_level=None, timeout=30.0)
+            self._open()
+        return other
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -383,13 +397,3 @@ def _locked(path: Path) -> sqlite3.Connection:
         expected = "wait until it ends, or give another --out"
         raise DataFormatError(Fault(str(path), "", "another sooner is flying this campaign", expected)) from None
     return lock
-
-
-def set_aside(path: Path) -> Path:
-    """Give an earlier ledger another name, so that a new one can begin; answers that name."""
-    number = 1
-    while (other := path.with_name(f"{path.stem}-{number}{path.suffix}")).exists():
-        number += 1
-    with closing(sqlite3.connect(path)) as base:
-        base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-    return path.replace(other)

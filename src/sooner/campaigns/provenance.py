@@ -40,6 +40,7 @@ def provenance(place: Place) -> dict[str, Any]:
         "python": platform.python_version(),
         "packages": _packages(),
         "processor": processor(),
+        "machine": platform.node(),
     }
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from sooner.campaigns.campaign import Asked, Crew, Progress, Watch, fly
-from sooner.campaigns.ledger import Ledger, set_aside
+from sooner.campaigns.ledger import Ledger
 from sooner.campaigns.pool import Pool, cores, share_of_memory_mb
 from sooner.campaigns.provenance import provenance, same_source
 from sooner.campaigns.results import Results, collect
@@ -154,10 +154,10 @@ def _opened(path: Path, study: Study, asked: Asked, place: Place, earlier: Earli
     stale = [(it, count) for it, count in ledger.provenances(c for c, _ in asked.cases) if not same_source(ours, it)]
     if not stale:
         return ledger
-    ledger.close()
     if earlier == "redo":
-        set_aside(path)
-        return Ledger(path, study.key)
+        ledger.begin_anew()
+        return ledger
+    ledger.close()
     commits = ", ".join(sorted({it["commit"] or "unknown" for it, _ in stale}))
     came = f"{sum(count for _, count in stale)} trials were flown by other code or on other maps (commit {commits})"
     raise DataFormatError(

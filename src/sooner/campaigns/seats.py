@@ -106,7 +106,7 @@ def _flown(campaign: str, trial: Trial, place: Place, limits: Limits) -> Outcome
             seat.task, seat.since = "", time.monotonic()
     if seat.left:
         return Outcome(trial, "lost", reason="its worker was closed, or nobody waited for it")
-    if outcome.ending == "crash" and not outcome.provenance and not Path(place.folder).is_dir():
+    if outcome.ending == "crash" and not Path(place.folder).is_dir():
         raise FileNotFoundError(f"the folder of the study, {place.folder}, is not there")
     return outcome
 

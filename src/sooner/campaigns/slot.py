@@ -95,7 +95,8 @@ class Slot:
         if isinstance(told, _End):
             return told
         self._provenance = told.strip()
-        return None
+        ready = self._line(Limits(START_S))
+        return ready if isinstance(ready, _End) else None
 
     def _start(self) -> None:
         self.drop()

@@ -44,11 +44,12 @@ def main() -> None:
     threading.Thread(target=_read, args=(rows,), daemon=True).start()
     place = Place(**json.loads(sys.argv[1]))
     place = Place(place.function, place.folder, _data(place), tuple(place.data_files))
+    _tell(answers, provenance(place))  # before anything of the study's own can fail
     if place.folder:
         sys.path.insert(0, place.folder)
     module, name = place.function.split(":")
     fly: Fly = getattr(import_module(module), name)
-    _tell(answers, provenance(place))
+    _tell(answers, {"ready": True})
     while True:
         try:
             key, seed = json.loads(rows.get(timeout=IDLE_S))
