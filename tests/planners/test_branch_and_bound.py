@@ -157,7 +157,9 @@ def test_records_tell_of_the_first_solution_and_never_of_a_worse_one(planner):
     assert evaluate(problem, Plan.of(list(solved[-1].walk))).value >= last.value - 1e-9
 
 
-@pytest.mark.parametrize("planner", [BranchAndBound(), DepthFirstBranchAndBound()], ids=repr)
+@pytest.mark.parametrize(
+    "planner", [BranchAndBound(iterations=1000), DepthFirstBranchAndBound(iterations=1000)], ids=repr
+)
 def test_early_solutions_come_no_later_and_are_more(planner):
     found = {True: 0, False: 0}
     for seed in range(4):

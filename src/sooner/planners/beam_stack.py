@@ -37,15 +37,15 @@ class BeamStack:
 
     Parameters
     ----------
-    width : int               nodes of a layer
-    alpha, eta : float        as in `BranchAndBound`
+    width : int               nodes of a layer; a pass takes width times the number of actions in a plan
+    alpha, eta : float        as in `BranchAndBound`; a beam does better with more trust in what is to come
     iterations : float        nodes expanded at most, those come back to included; a layer once begun is finished.
                               inf: until nothing is left out
     apart : bool              as in `BranchAndBound`
     """
 
-    width: int = 32
-    alpha: float = 0.8
+    width: int = 16
+    alpha: float = 0.9
     eta: float = 0.005
     iterations: float = 6000
     apart: bool = False
