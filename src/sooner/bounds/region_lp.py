@@ -296,14 +296,15 @@ class _Program:
             (rows, self.regions, np.ones(len(rows))),
             (rows, self.v + np.arange(len(rows)), -most),
         ]
-        right = [-levels.lo, [1.0], np.zeros(len(tied) + len(rows))]
+        right: list[Any] = [-levels.lo, [1.0], np.zeros(len(tied) + len(rows))]
         count = n_atoms + 1 + len(tied) + len(rows)
         for number, cut in enumerate(self.cuts):
             crossing, ending = np.flatnonzero(network.crossed(cut)), self.ends + np.flatnonzero(cut.inside)
-            columns = np.concatenate([crossing, ending, [self.v + self.place[cut.region]]])
-            values = np.append(-np.ones(len(columns) - 1), 2.0)
-            entries.append((np.full(len(columns), count + number), columns, values))
+            touched = np.concatenate([crossing, ending, [self.v + self.place[cut.region]]])
+            weights = np.append(-np.ones(len(touched) - 1), 2.0)
+            entries.append((np.full(len(touched), count + number), touched, weights))
             right.append([float(cut.inside[network.lasts[network.lasts >= 0]].sum())])
-        where, columns, values = (np.concatenate([entry[part] for entry in entries]) for part in range(3))
+        where, columns, values = zip(*entries, strict=True)
         shape = (count + len(self.cuts), self.n_columns)
-        return coo_array((values, (where, columns)), shape=shape).tocsr(), np.concatenate(right).astype(np.float64)
+        left = coo_array((np.concatenate(values), (np.concatenate(where), np.concatenate(columns))), shape=shape)
+        return left.tocsr(), np.concatenate(right).astype(np.float64)
