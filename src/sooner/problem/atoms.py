@@ -85,9 +85,9 @@ class Atoms:
 def atoms_of(footprints: Footprints, n_cells: int) -> Atoms:
     """Group cells by the set of actions that look at them.
 
-    Every action draws a random number of 64 bits, and a cell adds up those of its actions: two cells are of one atom
-    where the sums agree. That two different sets agree by chance would be seen: an action must then cover only some
-    cells of an atom, which is checked.
+    Every action draws a random number of 64 bits, and a cell mixes those of its actions (exclusive or): two cells are
+    of one atom where the mixtures agree. That two different sets agree by chance would be seen: an action must then
+    cover only some cells of an atom, which is checked.
 
     Examples
     --------
@@ -97,14 +97,14 @@ def atoms_of(footprints: Footprints, n_cells: int) -> Atoms:
     >>> sorted(found.sizes.tolist()), found.of_cell[4], [len(found.of(a)) for a in (0, 1)]
     ([1, 1, 2], np.int32(-1), [2, 2])
     """
-    from sooner.problem._atom_kernels import add_numbers
+    from sooner.problem._atom_kernels import mix_numbers
 
     for seed in range(8):
         numbers = np.random.default_rng(seed).integers(1, 2**63, footprints.n_actions, dtype=np.uint64)
-        sums = np.zeros(n_cells, np.uint64)
-        add_numbers(footprints.starts, footprints.cells, numbers, sums)
-        touched = np.flatnonzero(sums)
-        _, groups, sizes = np.unique(sums[touched], return_inverse=True, return_counts=True)
+        mixed = np.zeros(n_cells, np.uint64)
+        mix_numbers(footprints.starts, footprints.cells, numbers, mixed)
+        touched = np.flatnonzero(mixed)
+        _, groups, sizes = np.unique(mixed[touched], return_inverse=True, return_counts=True)
         of_cell = np.full(n_cells, -1, np.int32)
         of_cell[touched] = groups
         atoms = _covered(footprints, of_cell, sizes)

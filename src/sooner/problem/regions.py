@@ -109,7 +109,7 @@ class RegionMoves:
             )
         if self.leg_s + self.quickest_s > searcher.budget + ROUNDING_S:
             raise InfeasibleProblemError(
-                f"a budget of {searcher.budget:g} s came; the quickest action and the legs to and from it take "
+                f"a budget of {searcher.budget:g} s came; the quickest action, with the ways to and from it, takes "
                 f"{self.leg_s + self.quickest_s:.1f} s"
             )
 
@@ -129,9 +129,9 @@ class RegionMoves:
 
     @cached_property
     def quickest_s(self) -> float:
-        """The shortest action that can be first."""
-        ways = [self.first, *(action for action, _ in self.graph.ways[self.first])]
-        return float(self.graph.seconds[ways].min())
+        """The shortest action that can be first, and from there to where the walk must end."""
+        ways = [(self.first, self.first), *self.graph.ways[self.first]]
+        return min(float(self.graph.seconds[action] + self.to_last[there]) for action, there in ways)
 
     @cached_property
     def from_first(self) -> NDArray[np.float64]:
