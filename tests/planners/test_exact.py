@@ -15,7 +15,8 @@ from sooner.problem import Gains, evaluate
 
 from .region_worlds import best_by_enumeration, region_world
 
-QUICK = Exact(ticks=2, gap=1e-7)
+INNER = RegionAnneal(walks=2, moves=60)
+QUICK = Exact(INNER, ticks=2, gap=1e-7)
 
 
 @pytest.mark.parametrize(("legs", "ends"), [(False, False), (True, False), (False, True), (True, True)])
@@ -64,15 +65,15 @@ def test_programs_in_parts_do_come_up(monkeypatch):
 
 def test_narrow_windows_are_widened_until_they_hold_the_best_plan():
     problem = region_world(1, n_regions=3, budget=30.0)
-    values = [solve(problem, Exact(ticks=1, gap=1e-7, width=width)).best.value for width in (1, 12)]
+    values = [solve(problem, Exact(INNER, ticks=1, gap=1e-7, width=width)).best.value for width in (1, 12)]
     assert values[0] == pytest.approx(values[1], rel=1e-6)
 
 
 def test_linear_program_integer_program_and_annealing_are_in_order():
     for seed in range(3):
         problem = region_world(seed, n_regions=4, budget=20.0, extra=2)
-        annealed = solve(problem, RegionAnneal(), max_ticks(30), seed=seed).best.value
-        exact = solve(problem, Exact(ticks=5), seed=seed).best
+        annealed = solve(problem, INNER, max_ticks(30), seed=seed).best.value
+        exact = solve(problem, Exact(INNER, ticks=5), seed=seed).best
         linear = list(RegionLP().bounds(problem))[-1].value
         assert annealed <= exact.value * (1.0 + 1e-5)
         assert exact.value <= exact.bound <= linear
@@ -82,7 +83,7 @@ def test_linear_program_integer_program_and_annealing_are_in_order():
 def test_numbers_decoded_as_walks_are_flown_as_often_and_in_time():
     for seed in range(4):
         problem = region_world(seed, n_regions=5, budget=20.0, extra=2, ends=seed % 2 == 1)
-        plan = solve(problem, Exact(ticks=3), seed=seed).best.plan
+        plan = solve(problem, Exact(INNER, ticks=3), seed=seed).best.plan
         moves = problem.searcher.moves
         counts = np.bincount(plan.actions[0], minlength=moves.graph.n_regions + moves.graph.n_edges)
         degree = np.zeros(moves.graph.n_regions, np.int64)
@@ -107,20 +108,20 @@ def test_values_never_fall_and_bounds_never_rise():
 
 def test_the_same_seed_gives_the_same_plan():
     problem = region_world(5, n_regions=4, budget=18.0)
-    one, other = (solve(problem, Exact(ticks=3), seed=7).best for _ in range(2))
+    one, other = (solve(problem, Exact(INNER, ticks=3), seed=7).best for _ in range(2))
     assert one == other or one.plan.actions[0].tolist() == other.plan.actions[0].tolist()
     assert one.value == other.value
 
 
 def test_a_stop_rule_that_knows_the_time_is_kept():
-    problem = region_world(3, n_regions=6, budget=60.0, extra=4)
-    solution = solve(problem, Exact(), max_seconds(0.5), seed=0)
+    problem = region_world(3, n_regions=6, budget=40.0, extra=4)
+    solution = solve(problem, Exact(INNER), max_seconds(0.5), seed=0)
     assert solution.status in (Status.STOPPED, Status.FINISHED, Status.PROVED)
     assert np.isfinite(solution.best.bound)
 
 
 def test_closing_early_is_safe():
-    ticks = Exact(ticks=1).plans(region_world(3, n_regions=5, budget=40.0), np.random.default_rng(0))
+    ticks = Exact(INNER, ticks=1).plans(region_world(3, n_regions=5, budget=40.0), np.random.default_rng(0))
     next(ticks)
     ticks.send(0.5)
     ticks.close()

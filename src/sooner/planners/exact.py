@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 
 from sooner.bounds.region_lp import ASSUMES, PROOF, Levels, RegionLP
 from sooner.bounds.region_network import RegionNetwork
-from sooner.planners.planner import Part, Ticks
+from sooner.planners.planner import Part, Planner, Ticks
 from sooner.planners.region_anneal import RegionAnneal
 from sooner.planners.region_walk import walk_of
 from sooner.problem import Incumbent, Plan, SearchProblem, evaluate
@@ -58,13 +58,15 @@ class Exact:
 
     Parameters
     ----------
+    inner : Planner        what gives the first plan: annealing
     gap : float            share of the value at which the solver may stop
-    share : float          of the run that annealing has
-    ticks : int            of annealing, where nobody knows how long the run is
+    share : float          of the run that the inner planner has
+    ticks : int            that it has, where nobody knows how long the run is
     width : int            gain levels on each side of the best plan's looks
     first_s : float        time limit of the first run of the solver
     """
 
+    inner: Planner = RegionAnneal()
     gap: float = 1e-5
     share: float = 0.1
     ticks: int = 60
@@ -79,7 +81,7 @@ class Exact:
         """Yield annealed plans, then the linear program's bounds, then those of the integer program."""
         run = _Run(problem, RegionNetwork.of(problem))
         part = Part(0.0, self.share, self.ticks)
-        share, _ = yield from part.run(RegionAnneal(), problem, rng, 0.0, run.take)
+        share, _ = yield from part.run(self.inner, problem, rng, 0.0, run.take)
         for value, counts in RegionLP().solutions(run.network):
             run.proved(value, PROOF)
             run.relaxed = counts
