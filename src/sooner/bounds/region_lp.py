@@ -233,7 +233,7 @@ class _Program:
         self.n_columns = self.z + len(self.levels.atoms)
 
     def solved(self) -> _Solved | None:
-        """Solve it by HiGHS [Huangfu2018]."""
+        """Solve it by HiGHS (Huangfu and Hall 2018)."""
         network, levels = self.network, self.levels
         n_regions, unit = network.ground.n_regions, max(float(levels.gains.max()), 1e-300)
         cost = np.zeros(self.n_columns)
