@@ -43,7 +43,7 @@ class RegionAnneal:
     threads : int              a plan depends on their number, never on their speed
     """
 
-    hot: float = 0.3
+    hot: float = 0.1
     cold: float = 0.003
     walks: int = 8
     halvings: tuple[tuple[float, int], ...] = ((0.4, 4), (0.7, 2))
