@@ -56,6 +56,21 @@ def test_ticks_and_a_seed_give_the_same_plan_every_time():
     assert first["status"] == "stopped"
 
 
+def test_an_instance_may_take_its_seed_from_the_trial_and_is_then_another_search_for_each_seed():
+    for seed in (1, 2):
+        drawn = flown({"name": "greedy"}, {**SMALL, "seed": "trial"}, seed=seed)
+        assert drawn["value"] == flown({"name": "greedy"}, {**SMALL, "seed": seed})["value"]
+    one, other = (flown({"name": "greedy"}, {**SMALL, "seed": "trial"}, seed=seed)["value"] for seed in (1, 2))
+    assert one != other
+
+
+def test_an_instance_whose_seed_is_the_trials_is_not_refused(folder):
+    here = 'here = { scenario = "bimodal", seed = "trial" }'
+    text = f'title = "S"\n[instances]\n{here}\n[planners]\nmine = {{ name = "greedy" }}\n'
+    (folder / "study.toml").write_text(text, encoding="utf-8")
+    check(read_study(folder))
+
+
 def test_a_mission_for_two_stands_beside_the_study_and_a_budget_replaces_its_steps(folder):
     instance = {"mission": "m.toml"}
     own = flown({"name": "greedy"}, instance, None, folder=folder)
@@ -132,6 +147,9 @@ def refused(folder, instance='{ scenario = "bimodal" }', planner='{ name = "gree
         ('{ scenario = "moon" }', "instances.here.scenario: 'moon' came; expected many-hills"),
         ('{ scenario = "bimodal", width = 3 }', "instances.here.width: there is no such key; expected seed or size"),
         ('{ scenario = "bimodal", seed = 1.5 }', "instances.here.seed: 1.5 came; expected a whole number"),
+        ('{ scenario = "bimodal", seed = "trail" }', "'trail' came; expected a whole number or \"trial\""),
+        ('{ scenario = "bimodal", size = "trial" }', "instances.here.size: 'trial' came; expected a whole number"),
+        ('{ mission = "m.toml", seed = "trial" }', "instances.here.seed: there is no such key; expected mission alone"),
         ('{ mission = "m.toml", seed = 3 }', "instances.here.seed: there is no such key; expected mission alone"),
         ('{ mission = "none.toml" }', "none.toml"),
     ],

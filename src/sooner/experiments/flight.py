@@ -21,23 +21,26 @@ from sooner.planners.proved import Proved
 from sooner.planners.registry import make_planner
 from sooner.problem import SearchProblem, evaluate
 
-__all__ = ["check", "cpu_seconds", "fly", "load_kernels", "made", "stopping"]
+__all__ = ["check", "cpu_seconds", "drawn", "fly", "load_kernels", "made", "stopping"]
 
 STOPS = ("ticks", "seconds", "cpu_seconds")
+OF_TRIAL = "trial"  # as an instance's seed
 
 
 def fly(trial: Trial, place: Place) -> Mapping[str, Any]:
     """Plan once and let the judge say what the plan is worth.
 
-    The instance is `{ mission = FILE }`, beside the study, or `{ scenario = NAME, seed = N, size = N }`; the budget, if
-    any, replaces the steps of every searcher. The planner is `{ name = NAME }` of `sooner planners` or `{ make =
+    The instance is `{ mission = FILE }`, beside the study, or `{ scenario = NAME, seed = N, size = N }`, whose seed may
+    be "trial": then every seed of the campaign is a search of its own. The budget, if any, replaces the steps of every
+    searcher. The planner is `{ name = NAME }` of `sooner planners` or `{ make =
     "module:Class", ... }` with its settings, and with one of `ticks`, `seconds` and `cpu_seconds` (of all threads
     together), and `proved = true` for a bound beside it. Only ticks give the same plan everywhere.
 
     Answers `value`, `bound`, `efficiency` (value over that of a searcher that teleports), `gap`, each null where there
     is no such number, the `status` of the run, and under `timing` its seconds.
     """
-    problem = _problem(f"instances.{trial.case.instance}", trial.instance, place.folder, trial.budget)
+    instance = drawn(trial.instance, trial.seed)
+    problem = _problem(f"instances.{trial.case.instance}", instance, place.folder, trial.budget)
     said = dict(trial.planner)
     stop, proved = stopping(said), said.pop("proved", False)
     planner = wrapped(problem, made(said)) if "name" in said else made(said)
@@ -55,6 +58,15 @@ def fly(trial: Trial, place: Place) -> Mapping[str, Any]:
         "status": solution.status.value,
         "timing": timing,
     }
+
+
+def drawn(instance: Mapping[str, Any], seed: int) -> dict[str, Any]:
+    """The instance with the trial's seed where it asks for it.
+
+    >>> drawn({"scenario": "many-hills", "seed": "trial"}, 7)
+    {'scenario': 'many-hills', 'seed': 7}
+    """
+    return {**instance, "seed": seed} if instance.get("seed") == OF_TRIAL else dict(instance)
 
 
 def _finite(value: float) -> float | None:
@@ -86,7 +98,7 @@ def check(study: Study) -> None:
 def _faults(study: Study) -> Iterator[Fault]:
     for name, said in study.file.instances.items():
         try:
-            _problem(f"instances.{name}", said, str(study.folder), None)
+            _problem(f"instances.{name}", drawn(said, 0), str(study.folder), None)
         except DataFormatError as error:
             yield from error.faults
         except SoonerError as error:
@@ -151,7 +163,10 @@ def _scenario(key: str, said: dict[str, Any], budget: int | None) -> SearchProbl
                 Fault("study", f"{key}.{setting}", "there is no such key", f"expected {' or '.join(known)}")
             )
         if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-            raise DataFormatError(Fault("study", f"{key}.{setting}", f"{value!r} came", "expected a whole number"))
+            more = f' or "{OF_TRIAL}"' if setting == "seed" else ""
+            raise DataFormatError(
+                Fault("study", f"{key}.{setting}", f"{value!r} came", f"expected a whole number{more}")
+            )
     return make(**said).problem(budget)
 
 
