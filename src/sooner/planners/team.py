@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +13,8 @@ from sooner.errors import InvalidProblemError
 from sooner.planners.greedy import first_flight
 from sooner.planners.planner import Part, Planner, Ticks
 from sooner.problem import Incumbent, Plan, SearchProblem, evaluate
+from sooner.problem.region_ground import RegionGround
+from sooner.problem.regions import RegionMoves
 
 __all__ = ["Team"]
 
@@ -26,7 +29,7 @@ class Team:
 
     Parameters
     ----------
-    inner : Planner       plans for one searcher over cells
+    inner : Planner       plans for one searcher, over cells or over regions
     rounds : int          rounds of improvement after the first
     ticks : int           ticks for each plan, where the stop rule does not share out time
     """
@@ -47,9 +50,9 @@ class Team:
         return next((why for why in alone if why is not None), None)
 
     def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
-        """Yield after every tick of the inner planner; until its turn a searcher only looks at its start."""
+        """Yield after every tick of the inner planner; until its turn a searcher flies as little as it may."""
         team = len(problem.searchers)
-        best = [first_flight(_left_for(problem, number, []), rng).actions[0] for number in range(team)]
+        best = [_least(_left_for(problem, number, {}), rng).actions[0] for number in range(team)]
         value = evaluate(problem, Plan(tuple(best))).value
         share: float | None = 0.0
         turns = team * (1 + self.rounds)
@@ -64,14 +67,22 @@ class Team:
                     best[number], value = proposal.plan.actions[0], worth
                 return Incumbent(Plan(tuple(best)), value)
 
-            others = [flight for n, flight in enumerate(best) if n != number]
+            others = {n: flight for n, flight in enumerate(best) if n != number}
             part = Part(turn / turns, (turn + 1) / turns, self.ticks)
             share, _ = yield from part.run(self.inner, _left_for(problem, number, others), rng, share, take)
 
 
-def _left_for(problem: SearchProblem, number: int, others: list[NDArray[np.int64]]) -> SearchProblem:
+def _least(problem: SearchProblem, rng: Generator) -> Plan:
+    """A legal plan of little worth: the start alone, or the shortest walk over regions."""
+    if isinstance(problem.searcher.moves, RegionMoves):
+        return Plan.of(RegionGround.of(problem).quickest())
+    return first_flight(problem, rng)
+
+
+def _left_for(problem: SearchProblem, number: int, others: Mapping[int, NDArray[np.int64]]) -> SearchProblem:
     """The problem of one searcher alone, with the gains that the flights of the others leave."""
-    looked = np.zeros(problem.grid.n_cells, np.int64)
-    for flight in others:
-        np.add.at(looked, flight, 1)
+    looked = np.zeros(problem.gains.n_cells, np.int64)
+    for other, flight in others.items():
+        searcher = problem.searchers[other]
+        np.add.at(looked, searcher.moves.looks(problem.grid, searcher, flight).items, 1)
     return replace(problem, gains=problem.gains.after(looked), searchers=(problem.searchers[number],))

@@ -100,6 +100,13 @@ class RegionGround:
             edges.append(action)
         return edges
 
+    def quickest(self) -> list[int]:
+        """The shortest walk there is: one action, and from there to where it must end."""
+        action, there = min(
+            self.ways_from(self.first), key=lambda way: float(self.seconds[way[0]] + self.to_last[way[1]])
+        )
+        return [action, *self.homeward(there)]
+
     @staticmethod
     def of(problem: SearchProblem) -> RegionGround:
         """The ground of a problem with one searcher over regions."""
