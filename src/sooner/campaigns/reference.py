@@ -73,7 +73,7 @@ order. What depends on the machine stands under `timing`."""
 
 def reference_page() -> str:
     """`docs/study_file.md`, as Markdown."""
-    words = {Table: "table", Rule: "table"}
+    words = {Table: "table", Rule: "table", dict: "table"}
     parts = [
         "# The study file",
         "A study file is TOML: instances x planners x budgets x seeds. `sooner study FILE` flies every trial of it. "

@@ -99,10 +99,15 @@ class Table(_Settings):
     instances: list[str] = Field(default=["*"], description="names; `*` and `?` allowed")
     planners: list[str] = Field(default=["*"], description="names; `*` and `?` allowed")
     budgets: list[Number] | None = Field(default=None, description="left out: those of the study")
-    row: str = Field(default="{planner}", description="made of `{instance}`, `{planner}`, `{budget}`")
-    column: str = Field(default="{instance} {budget}", description="made of `{instance}`, `{planner}`, `{budget}`")
+    row: str = Field(default="{planner}", description="made of `{instance}`, `{planner}`, `{budget}`, `{measure}`")
+    column: str = Field(
+        default="{instance} {budget}", description="made of `{instance}`, `{planner}`, `{budget}`, `{measure}`"
+    )
     measure: Name | None = Field(default=None, description="which number of a trial; left out: that of the study")
-    statistic: Literal["mean", "median", "rate"] = Field(
+    measures: dict[Name, Name] = Field(
+        default={}, description="several of them: what `{measure}` calls each = which number of a trial"
+    )
+    statistic: Literal["mean", "median", "deviation", "rate"] = Field(
         default="mean", description="over the seeds; `rate` of a measure that is yes or no"
     )
     versus: Name | None = Field(
@@ -233,8 +238,8 @@ class Study:
             raise DataFormatError(Fault("planners", "", came, f"install {needs}" if needs else "expected some cases"))
         return Asked(tuple(seeds.items()))
 
-    def cells(self, table: Table) -> Iterator[Cell]:
-        """Of one table; planners that need a package that is not there are left out."""
+    def cells(self, table: Table, measure: str = "") -> Iterator[Cell]:
+        """Of one table and what it calls a measure; planners that need a package that is not there are left out."""
         budgets = dict.fromkeys(table.budgets or self.file.budgets) or [None]
         if table.versus and not self._usable(table.versus):
             return
@@ -244,6 +249,7 @@ class Study:
                     continue
                 for budget in budgets:
                     names = {"instance": instance, "planner": planner, "budget": "" if budget is None else budget}
+                    names["measure"] = measure
                     versus = self._case(instance, table.versus, budget) if table.versus else None
                     row, column = (part.format(**names).strip() for part in (table.row, table.column))
                     yield Cell(row, column, self._case(instance, planner, budget), versus)
@@ -271,6 +277,7 @@ class Study:
 
 
 OURS = frozenset(OfCampaign.model_fields)
+PARTS = "{instance}, {planner}, {budget} and {measure}"
 
 
 def read_study(path: Path) -> Study:
@@ -388,10 +395,12 @@ def _unknown(path: Path, file: StudyFile) -> Iterator[Fault]:
         if table.versus is not None and table.statistic == "rate":
             came = "'rate' came with versus"
             yield Fault(str(path), f"{where}.statistic", came, "expected mean or median: differences have no rate")
+        if table.measures and table.measure:
+            yield Fault(str(path), f"{where}.measures", "it came with measure", "expected one of them")
         for key in ("row", "column"):
             if not _is_template(getattr(table, key)):
                 came = f"{_short(getattr(table, key))} came"
-                yield Fault(str(path), f"{where}.{key}", came, "expected {instance}, {planner} and {budget} only")
+                yield Fault(str(path), f"{where}.{key}", came, f"expected {PARTS} only")
 
 
 def _is_template(text: str) -> bool:
@@ -400,7 +409,7 @@ def _is_template(text: str) -> bool:
     except ValueError:
         return False
     return all(
-        field is None or (field in ("instance", "planner", "budget") and not spec and not conversion)
+        field is None or (f"{{{field}}}" in PARTS and not spec and not conversion)
         for _, field, spec, conversion in parts
     )
 

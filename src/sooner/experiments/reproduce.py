@@ -67,7 +67,7 @@ def reproduce(
     Parameters
     ----------
     paper : str                 key of the study, "lin2014"
-    data_dir : Path or None     folder of the real maps; None takes SOONER_DATA
+    data_dir : Path or None     folder of the real maps, for studies that have some; None takes SOONER_DATA
     trials : int or None        seeds 0, 1, ... of each case; None takes the study's number
     workers : int or None       processes; None takes one for each core
     out_dir : Path or None      where to write; None takes the study's own folder in a checkout, else ./<paper>
@@ -84,7 +84,7 @@ def reproduce(
     refuse_none(trials, workers)
     home = study_folder(paper)
     study = read_study(home).only(only)
-    data = find_data(data_dir, study.file.data, study.file.data_files)
+    data = find_data(data_dir, study.file.data, study.file.data_files) if study.file.data else study.folder
     in_checkout = home.parent.parent.name == "benchmarks"  # there a repository keeps what was before
     out = Folder(out_dir or (home if in_checkout else Path(paper)), force or (in_checkout and out_dir is None))
     out.check("reproduced.csv", "comparison.md", *REPORT)

@@ -24,8 +24,8 @@ def tables(study: Study, ran: Ran) -> list[Reproduced]:
     mark = _marks(ran)
     rows = []
     for table in study.tables:
-        measure = table.measure or study.file.measure
-        rows += list(_filled(table.name, table, measure, list(study.cells(table)), results, mark))
+        for shown, measure in (table.measures or {"": table.measure or study.file.measure}).items():
+            rows += list(_filled(table.name, table, measure, list(study.cells(table, shown)), results, mark))
         if table.times:
             alone = [study.alone(cell) for cell in study.cells(table)]
             rows += list(_filled(table.times, table, "timing.seconds", alone, results, mark))
@@ -56,7 +56,7 @@ def _filled(
         samples.setdefault((cell.row, cell.column), []).append(_sample(cell, measure, results))
     for (row, column), parts in samples.items():
         sample = np.concatenate(parts)
-        if sample.size:
+        if sample.size > (table.statistic == "deviation"):
             found = _statistic(table, measure, sample)
             yield Reproduced(
                 name, row, column, found.value, found.low, found.high, found.n, mark.commit, mark.processor
@@ -80,5 +80,6 @@ def _statistic(table: Table, measure: str, sample: np.ndarray) -> Estimate:
         return estimate(sample, table.statistic)
     if not np.isin(sample, (0.0, 1.0)).all():
         came = f"{measure!r} came for a rate, and it is no yes or no"
-        raise DataFormatError(Fault("tables", f"{table.name}.statistic", came, "expected mean or median of it"))
+        expected = "expected mean, median or deviation of it"
+        raise DataFormatError(Fault("tables", f"{table.name}.statistic", came, expected))
     return rate(int(sample.sum()), sample.size)
