@@ -3,12 +3,14 @@
 import csv
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from sooner.campaigns.report import REPORT, write_report
+from sooner.campaigns.report import COLUMNS, REPORT, _apart, write_report
 from sooner.campaigns.study import read_study
 from sooner.errors import DataFormatError
 from sooner.io.writing import Folder
-from tests.campaigns.filled import filled
+from tests.campaigns.filled import MADE_BY, filled
 
 STUDY = """
 title = "Small | one"
@@ -132,7 +134,9 @@ def test_the_picture_shows_the_measure_of_the_study_or_else_the_first_there_is(
     drawn = []
     monkeypatch.setattr("sooner.plotting.plot_summary", lambda *told: drawn.append(told) or b"PNG")
     write_report(ran, "Small", Folder(tmp_path / "out"), measure=measure)
-    ((title, name, places, yes_no),) = drawn
+    ((title, name, places, yes_no, note),) = drawn
+    lacking = "no trial has a number called 'no such'; they have 'value', 'found', 'timing.seconds'"
+    assert note == (lacking if measure == "no such" else "")
     assert (title, name, yes_no) == ("Small", shown, shown == "found")
     assert list(places) == ["hills, budget 40", "plain, budget 40"]
     assert [len(sample.values) for sample in places["plain, budget 40"]] == [4, 3]
@@ -145,3 +149,82 @@ def test_a_campaign_without_a_number_has_a_report_without_a_picture(study, tmp_p
         report = write_report(ran, "Small", Folder(tmp_path / "none"))
     assert "summary.png" not in {file.name for file in report.files}
     assert "4 set aside" in (tmp_path / "none" / "summary.md").read_text(encoding="utf-8")
+
+
+def test_a_measure_that_no_trial_has_is_said_on_the_page_and_to_the_caller(ran, tmp_path):
+    report = write_report(ran, "Small", Folder(tmp_path / "out"), measure="valeu")
+    told = "no trial has a number called 'valeu'; they have 'value', 'found', 'timing.seconds'"
+    assert told in report.notes
+    assert f"# Small\n\n{told}\n" in (tmp_path / "out" / "summary.md").read_text(encoding="utf-8")
+    assert not write_report(ran, "Small", Folder(tmp_path / "out")).notes
+
+
+def test_an_answer_cannot_pass_for_what_the_trial_is(study, tmp_path):
+    said = {"seed": 99, "planner": "best", "value": 0.5, "answer": {"seed": 7}, "state": True}
+    with filled(study, tmp_path / "sly", lambda trial: said) as ran:
+        write_report(ran, "Sly", Folder(tmp_path / "sly"))
+    lines = rows(tmp_path / "sly" / "trials.csv")
+    assert {line["seed"] for line in lines} == set("0123")
+    assert {line["planner"] for line in lines} == {"a", "b"}
+    assert {line["state"] for line in lines} == {"done"}
+    told = ("answer.seed", "answer.answer.seed", "answer.planner", "answer.state")
+    assert [lines[0][name] for name in told] == ["7", "99", "best", "true"]
+
+
+@given(st.dictionaries(st.sampled_from(["seed", "answer.seed", "answer.answer.seed", "state", "x"]), st.integers()))
+def test_every_value_of_an_answer_keeps_a_column_of_its_own(said):
+    found = _apart(said)
+    assert sorted(found.values()) == sorted(said.values())
+    assert not found.keys() & COLUMNS.keys()
+
+
+def test_a_planner_whose_trials_all_failed_is_in_the_picture_as_such(study, tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr("sooner.plotting.plot_summary", lambda *told: drawn.append(told) or b"PNG")
+
+    def said(trial):
+        if trial.case.planner == "a":
+            return None if trial.case.instance == "hills" else {"found": True}
+        return {"value": 1.0}
+
+    with filled(study, tmp_path / "some", said) as ran:
+        write_report(ran, "Some", Folder(tmp_path / "some"))
+    ((_, measure, places, *_),) = drawn
+    assert measure == "value"
+    told = {place: [(sample.planner, sample.note) for sample in samples] for place, samples in places.items()}
+    assert told == {
+        "hills, budget 40": [("a", "all 4 trials failed"), ("b", "")],
+        "plain, budget 40": [("a", "none of 4 trials has the number"), ("b", "")],
+    }
+
+
+def test_results_of_several_sources_are_said_to_be_mixed(study, tmp_path, monkeypatch):
+    with filled(study, tmp_path / "one", answer) as ran:
+        write_report(ran, "One", Folder(tmp_path / "one"))
+        assert "mixed" not in (tmp_path / "one" / "summary.md").read_text(encoding="utf-8")
+        other = {**MADE_BY, "commit": "def", "source": "t"}
+        monkeypatch.setattr(type(ran.ledger), "provenances", lambda self, cases: [(MADE_BY, 9), (other, 6)])
+        report = write_report(ran, "Two", Folder(tmp_path / "one"))
+    page = (tmp_path / "one" / "summary.md").read_text(encoding="utf-8")
+    assert "results of 2 sources are mixed here: 9 trials of commit abc" in page
+    assert "6 trials of commit def" in page
+    assert any("mixed" in note for note in report.notes)
+
+
+def test_parquet_files_of_several_campaigns_fit_together(study, tmp_path):
+    parquet, pyarrow = pytest.importorskip("pyarrow.parquet"), pytest.importorskip("pyarrow")
+    with filled(study, tmp_path / "one", lambda trial: {"value": 0.5}) as ran:  # no reason, whole budgets
+        write_report(ran, "One", Folder(tmp_path / "one"))
+    text = STUDY.replace("budgets = [40]", "budgets = [0.5]").replace("Small | one", "Other")
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    with filled(read_study(tmp_path), tmp_path / "two", lambda trial: None) as ran:  # nothing but reasons
+        write_report(ran, "Two", Folder(tmp_path / "two"))
+    tables = [parquet.read_table(tmp_path / name / "trials.parquet") for name in ("one", "two")]
+    for table in tables:
+        types = {name: str(table.schema.field(name).type) for name in COLUMNS}
+        assert types == {
+            name: {"text": "string", "number": "double", "whole": "int64", "yes_no": "bool"}[kind]
+            for name, kind in COLUMNS.items()
+        }
+    assert pyarrow.concat_tables([table.select(list(COLUMNS)) for table in tables]).num_rows == 32
+    assert {row["budget"] for row in rows(tmp_path / "one" / "trials.csv")} == {"40"}

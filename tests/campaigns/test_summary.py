@@ -10,13 +10,19 @@ import pytest
 from sooner.campaigns.results import Results, collect
 from sooner.campaigns.statistics import estimate, paired, rate
 from sooner.campaigns.summary import (
-    PLACES_APART,
+    SPOTS_APART,
+    overall_csv,
+    overall_rows,
     paired_csv,
     paired_rows,
     summary_csv,
-    summary_markdown,
+    summary_page,
     summary_rows,
 )
+
+
+def page_of(title: str, results: list[Results]) -> str:
+    return summary_page(title, summary_rows(results), paired_rows(results), overall_rows(results))
 
 
 def flown(planner: str, better: float = 0.0, instance: str = "hills", n: int = 40, failed: int = 0) -> Results:
@@ -63,7 +69,7 @@ def test_a_measure_that_no_trial_has_and_a_case_that_never_finished_are_not_hidd
     first, second = summary_rows([empty, lost])
     assert (first.n, first.trials, first.mean) == (0, 2, None)
     assert (second.measure, second.trials, second.failed) == ("", 0, 40)
-    page = summary_markdown("Lost", [empty, lost])
+    page = page_of("Lost", [empty, lost])
     assert "| trials | 2 | 0, 40 set aside |" in page
     assert "0 of 2" in page
 
@@ -114,7 +120,7 @@ def test_a_name_with_a_comma_or_a_quote_survives_the_csv():
 
 
 def test_the_page_shows_rates_beside_the_means_of_those_that_have_the_number():
-    page = summary_markdown("Three planners", [GREEDY, CLIMB, ANNEAL])
+    page = page_of("Three planners", [GREEDY, CLIMB, ANNEAL])
     lines = page.splitlines()
     assert lines[0] == "# Three planners"
     assert "120 trials finished, 2 were set aside." in page
@@ -128,7 +134,7 @@ def test_the_page_shows_rates_beside_the_means_of_those_that_have_the_number():
 
 
 def test_the_page_holds_every_planner_against_the_first_only():
-    page = summary_markdown("Three planners", [GREEDY, CLIMB, ANNEAL])
+    page = page_of("Three planners", [GREEDY, CLIMB, ANNEAL])
     assert "| pos | climb | greedy | 40 | +0.04 | +0.04 | 40 / 0 / 0 | < 0.0001 |" in page
     assert "| pos | anneal | greedy |" in page
     assert "| anneal | climb |" not in page
@@ -136,25 +142,23 @@ def test_the_page_holds_every_planner_against_the_first_only():
 
 def test_a_measure_that_the_first_planner_lacks_is_compared_among_those_that_have_it():
     cases = [collect("hills", p, 9, [(s, {m: s}) for s in range(5)]) for p, m in (("a", "x"), ("b", "y"), ("c", "y"))]
-    assert "| y | c | b | 5 |" in summary_markdown("Some", cases)
+    assert "| y | c | b | 5 |" in page_of("Some", cases)
 
 
 def test_what_belongs_to_a_machine_stands_at_the_end_and_only_there():
-    page = summary_markdown("Three planners", [GREEDY, CLIMB])
+    page = page_of("Three planners", [GREEDY, CLIMB])
     before, heading, after = page.partition("## Bound to the machine")
     assert heading
     assert "timing." not in before
     assert "timing.seconds, mean" in after
     assert "pos" not in after
     untimed = collect("hills", "greedy", 9, [(1, {"pos": 1})])
-    assert "machine" not in summary_markdown("Untimed", [untimed])
+    assert "machine" not in page_of("Untimed", [untimed])
 
 
 def test_many_places_have_a_table_for_each_measure_instead():
-    places = [f"hills {number}" for number in range(PLACES_APART + 1)]
-    page = summary_markdown(
-        "Many", [flown(p, b, place) for place in places for p, b in (("greedy", 0.0), ("climb", 1.0))]
-    )
+    places = [f"hills {number}" for number in range(SPOTS_APART + 1)]
+    page = page_of("Many", [flown(p, b, place) for place in places for p, b in (("greedy", 0.0), ("climb", 1.0))])
     assert page.count("\n## found\n") == page.count("\n## pos\n") == 1
     assert page.count("\n### timing.seconds\n") == 1
     found = int(GREEDY.measures["found"].sum())
@@ -164,12 +168,82 @@ def test_many_places_have_a_table_for_each_measure_instead():
 
 
 def test_a_name_cannot_break_a_table():
-    page = summary_markdown("A | B", [collect("a|b\nc", "x|y", None, [(1, {"p|q": 0.5})])])
+    page = page_of("A | B", [collect("a|b\nc", "x|y", None, [(1, {"p|q": 0.5})])])
     assert "## a\\|b c\n" in page
     assert "| | x\\|y |" in page
-    assert "| p\\|q, mean | 0.5 |" in page
+    assert "| p\\|q, mean | 0.5 (n = 1) |" in page
 
 
 def test_no_results_make_a_page_that_says_so():
-    assert "0 trials finished, 0 were set aside" in summary_markdown("Nothing yet", [])
+    assert "0 trials finished, 0 were set aside" in page_of("Nothing yet", [])
     assert summary_csv([]).count("\n") == paired_csv([]).count("\n") == 1
+
+
+def test_the_page_says_which_test_p_is_and_that_it_is_not_corrected():
+    page = page_of("Two", [GREEDY, CLIMB])
+    for told in ("exact sign test", "McNemar", "two-sided", "not corrected", "on a fixed map"):
+        assert told in page
+    assert "sign test" not in page_of("One", [GREEDY])
+    assert "same luck" not in page
+
+
+def test_a_single_trial_is_said_to_be_one_where_its_interval_would_stand():
+    page = page_of("One", [collect("hills", "greedy", None, [(1, {"pos": 0.5})])])
+    assert "| pos, mean | 0.5 (n = 1) |" in page
+
+
+def test_notes_stand_at_the_top_of_the_page():
+    page = summary_page("Noted", [], [], notes=["results of 2 sources | are mixed"])
+    assert page.startswith("# Noted\n\nresults of 2 sources \\| are mixed\n\n0 trials finished")
+
+
+# All instances together ----------------------------------------------------------------------------------------------
+
+
+def everywhere(*planners: tuple[str, float], instances: tuple[str, ...] = ("hills", "plain")) -> list[Results]:
+    return [flown(planner, better, place) for place in instances for planner, better in planners]
+
+
+def test_over_all_instances_each_planner_has_the_mean_of_its_means_and_each_pair_its_difference():
+    hills = collect("hills", "a", 9, [(seed, {"x": float(seed)}) for seed in range(4)])
+    plain = collect("plain", "a", 9, [(seed, {"x": 10.0}) for seed in range(2)])
+    other = [collect(place, "b", 9, [(seed, {"x": 1.0}) for seed in range(4)]) for place in ("hills", "plain")]
+    mean_a, mean_b, pair = overall_rows([hills, plain, *other])
+    assert (mean_a.planner, mean_a.mean, mean_a.instances, mean_a.seeds) == ("a", (1.5 + 10.0) / 2, 2, 4)
+    assert (mean_b.planner, mean_b.mean, mean_b.mean_low, mean_b.mean_high) == ("b", 1.0, 1.0, 1.0)
+    assert (pair.planner, pair.against, pair.mean) == ("b", "a", ((1.0 - 1.5) + (1.0 - 10.0)) / 2)
+    assert mean_a.mean_low < mean_a.mean < mean_a.mean_high
+
+
+def test_instances_that_share_their_seeds_luck_are_not_taken_for_independent():
+    row = next(row for row in overall_rows(everywhere(("greedy", 0.0))) if row.measure == "pos")
+    alone = next(row for row in summary_rows([GREEDY]) if row.measure == "pos")
+    assert (row.mean, row.mean_low) == (pytest.approx(alone.mean), pytest.approx(alone.mean_low))
+
+
+def test_a_planner_that_was_not_on_every_instance_is_not_averaged():
+    rows = overall_rows([*everywhere(("greedy", 0.0)), CLIMB])
+    assert {row.planner for row in rows} == {"greedy"}
+
+
+def test_one_instance_of_a_budget_has_no_overall():
+    assert overall_rows([GREEDY, CLIMB]) == []
+    assert "All" not in page_of("One", [GREEDY, CLIMB])
+
+
+def test_the_page_has_a_section_over_all_instances_of_a_budget():
+    page = page_of("Two places", everywhere(("greedy", 0.0), ("climb", 0.4)))
+    section = page.partition("## All 2 instances, budget 300")[2].partition("\n## ")[0]
+    assert "not a sample" in section
+    assert "| | greedy | climb |" in section
+    assert "| found | " in section
+    assert "| pos | climb | greedy | 40 | +0.04 |" in section
+    assert "timing." not in section
+    assert "### All 2 instances, budget 300" in page
+
+
+def test_the_overall_numbers_are_a_csv_too():
+    made = overall_rows(everywhere(("greedy", 0.0), ("climb", 0.4)))
+    read = list(csv.DictReader(io.StringIO(overall_csv(made))))
+    assert [float(line["mean"]) for line in read] == pytest.approx([row.mean for row in made], rel=1e-9)
+    assert {line["against"] for line in read} == {"", "greedy"}

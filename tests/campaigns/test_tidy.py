@@ -157,3 +157,13 @@ def test_no_rows_make_a_file_of_its_header(tmp_path, parquet):
     assert write_tidy([], ["seed", "pos"], tmp_path / "t.csv", tmp_path / "t.parquet").rows == 0
     assert (tmp_path / "t.csv").read_text() == "seed,pos\n"
     assert parquet.read_table(tmp_path / "t.parquet").column_names == ["seed", "pos"]
+
+
+def test_a_column_of_a_given_kind_has_its_type_whatever_it_holds_and_its_values_as_they_came_in_csv(tmp_path, parquet):
+    kinds = {"budget": "number", "reason": "text", "alone": "yes_no", "seed": "whole"}
+    done = write_tidy([{"budget": 40, "alone": True}], kinds, tmp_path / "t.csv", tmp_path / "t.parquet")
+    assert done.columns == tuple(kinds)
+    table = parquet.read_table(tmp_path / "t.parquet")
+    assert [str(field.type) for field in table.schema] == ["double", "string", "bool", "int64"]
+    assert table.to_pylist() == [{"budget": 40.0, "reason": None, "alone": True, "seed": None}]
+    assert (tmp_path / "t.csv").read_text() == "budget,reason,alone,seed\n40,,true,\n"

@@ -68,3 +68,36 @@ def test_the_page_holds_every_number_its_reason_once_and_what_goes_beyond():
     assert page.count("chance") == 1
     assert "## Beyond" in page
     assert "| NewYork108 | 83.00 (82.00 to 84.00) |" in page
+
+
+def test_the_page_names_every_commit_that_stands_in_its_rows():
+    from dataclasses import replace
+
+    published = [printed("50"), printed("50", column="600")]
+    new, old = ours(50.0), replace(ours(50.0, column="600"), commit="0ld", processor="another")
+    beyond = replace(ours(83.0, "Beyond"), commit="mixed and more")
+    page = comparison_markdown("A paper", compare(published, [new, old], []), [new, old, beyond])
+    assert (
+        "not all made by the same commit: 1 by `abc`, 1 by `0ld`, 1 by `mixed` and `more`, on a processor and" in page
+    )
+    page = comparison_markdown("A paper", compare(published, [new], []), [new])
+    assert "Made by commit `abc` on a processor." in page
+
+
+def test_rows_of_an_installed_package_are_of_an_unknown_commit():
+    from dataclasses import replace
+
+    row = replace(ours(50.0), commit="")
+    assert "Made by an unknown commit on" in comparison_markdown("A paper", compare([printed("50")], [row], []), [row])
+
+
+def test_rules_are_checked_as_a_study_is():
+    from pydantic import ValidationError
+
+    with pytest.raises(ValidationError, match="reasn"):
+        compare([printed("50")], [ours(50.0)], [{"reasn": "x"}])
+
+
+def test_a_pipe_in_a_name_cannot_break_the_comparison():
+    found = compare([printed("50", row="a|b")], [ours(50.0, row="a|b")], [])
+    assert "| a\\|b | 300 | 50 |" in comparison_markdown("A | paper", found, [])

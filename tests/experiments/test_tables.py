@@ -1,8 +1,9 @@
 """Tables of a study: each cell is the statistic of the trials behind it."""
 
+import numpy as np
 import pytest
 
-from sooner.campaigns.statistics import estimate, rate
+from sooner.campaigns.statistics import estimate, pooled, rate
 from sooner.campaigns.study import read_study
 from sooner.errors import DataFormatError
 from sooner.experiments.tables import tables, tables_files
@@ -81,9 +82,25 @@ def test_a_row_tells_the_commit_and_the_processor(made):
 
 def test_cells_of_one_name_are_pooled(made):
     rows = made("[[tables]]\nname = 'T'\nplanners = ['a']\ncolumn = 'all'")
-    pooled = [value + more for _ in range(2) for more in (0.0, 1.0) for value in A]
+    parts = [(np.arange(5), np.array(A) + more) for _ in range(2) for more in (0.0, 1.0)]
     assert list(rows) == [("T", "a", "all")]
-    assert told(rows["T", "a", "all"]) == expected(estimate(pooled))
+    assert told(rows["T", "a", "all"]) == expected(pooled(parts))
+    assert rows["T", "a", "all"].n == 20
+
+
+def test_pooling_identical_places_makes_the_interval_no_narrower(made):
+    both = made("[[tables]]\nname = 'T'\nbudgets = [40]\ncolumn = 'all'")["T", "a", "all"]
+    one = made(ONE + "column = 'all'")["T", "a", "all"]
+    assert (both.n, one.n) == (10, 5)
+    assert (both.value, both.low, both.high) == pytest.approx((one.value, one.low, one.high))
+
+
+def test_pooled_rates_and_differences_keep_a_seeds_trials_together_too(made):
+    pool, one = "[[tables]]\nname = 'T'\nbudgets = [40]\ncolumn = 'all'\n", ONE + "column = 'all'\n"
+    for more, row in (("measure = 'found'\nstatistic = 'rate'", "a"), ("versus = 'a'", "b")):
+        both, alone = (made(text + more)["T", row, "all"] for text in (pool, one))
+        assert both.n == 2 * alone.n
+        assert (both.low, both.high) == pytest.approx((alone.low, alone.high))
 
 
 def test_a_case_that_is_named_twice_counts_once(made):
@@ -130,3 +147,44 @@ def test_a_study_without_tables_of_its_own_has_no_page_of_them(tmp_path):
     study = read_study(tmp_path)
     with filled(study, tmp_path / "out", answer) as ran:
         assert tables_files(study, ran) == {}
+
+
+def page(tmp_path, text, said=answer):
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    study = read_study(tmp_path)
+    with filled(study, tmp_path / "out", said) as ran:
+        return tables_files(study, ran)["tables.md"].decode()
+
+
+def test_a_measure_that_no_trial_has_is_said_in_place_of_its_table(tmp_path):
+    told = page(tmp_path, f"{HEAD}{ONE}measure = 'valeu'\n{ONE.replace('T', 'U')}".replace("nameU", "name"))
+    assert "## T\n\nno trial has a number called 'valeu'; they have 'value', 'found', 'timing.seconds', 'late'" in told
+    assert "## U\n\n| | hills 40 |" in told
+
+
+def test_one_misspelt_measure_among_several_is_said_above_the_tables(tmp_path):
+    told = page(tmp_path, f"{HEAD}{ONE}column = '{{measure}}'\nmeasures = {{ good = 'value', bad = 'valeu' }}")
+    assert "T: no trial has a number called 'valeu'; they have 'value'" in told
+    assert "| | good |" in told
+
+
+def test_a_table_without_a_finished_trial_says_so(tmp_path):
+    assert "## T\n\nno trial has 'value' to show" in page(tmp_path, HEAD + ONE, lambda trial: None)
+
+
+def test_n_is_that_of_the_cell_where_cells_differ_and_of_the_table_where_not(tmp_path):
+    told = page(tmp_path, HEAD + ONE)
+    assert "; n = 5) |" in told
+    assert "; n = 4) |" in told
+    assert "\nn = " not in told
+    told = page(tmp_path, HEAD + ONE + "planners = ['b']")
+    assert told.endswith("\n\nn = 4\n")
+    assert "; n = 4)" not in told
+
+
+def test_a_name_with_a_pipe_or_a_line_end_cannot_break_a_table(tmp_path):
+    odd = HEAD.replace("hills = {}", '"hi|l\\nls" = {}').replace('"Small"', '"A | B"')
+    told = page(tmp_path, odd + "[[tables]]\nname = 'T|U'\nbudgets = [40]\nrow = '{planner} | x'")
+    assert told.startswith("# A \\| B\n")
+    assert "## T\\|U\n\n| | hi\\|l ls 40 | plain 40 |" in told
+    assert "| a \\| x | " in told

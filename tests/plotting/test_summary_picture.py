@@ -83,3 +83,20 @@ def test_names_of_any_length_and_script_and_equal_values_are_drawn():
 def test_the_same_trials_give_the_same_picture():
     places = {"here": samples(3)}
     assert plot_summary("Same", "value", places) == plot_summary("Same", "value", places)
+
+
+def test_a_planner_without_a_number_has_its_line_and_says_why(figures):
+    failed = Sample("broken", note="all 20 trials failed")
+    drawn("Some", "value", {"here": [failed, *samples(1)], "there": [failed]})
+    for axes in figures[0].axes:
+        assert [text.get_text() for text in axes.texts] == ["all 20 trials failed"]
+    here, there = figures[0].axes
+    assert [label.get_text() for label in here.get_yticklabels()] == ["broken", "planner 0"]
+    assert (len(here.collections), len(there.collections)) == (1, 0)
+
+
+def test_a_note_stands_below_the_title(figures):
+    drawn("Typo", "value", {"here": samples(1)})
+    assert len(figures[0].texts) == 2
+    plot_summary("Typo", "value", {"here": samples(1)}, False, "no trial has a number called 'valeu'")
+    assert figures[1].texts[-1].get_text() == "no trial has a number called 'valeu'"

@@ -16,25 +16,37 @@ from typing import Any
 import numpy as np
 
 from sooner.campaigns.results import Results
-from sooner.campaigns.statistics import Estimate, differences, estimate, paired, rate
+from sooner.campaigns.statistics import (
+    BySeed,
+    Estimate,
+    across,
+    differences,
+    differences_by_seed,
+    estimate,
+    paired,
+    rate,
+)
 
 __all__ = [
     "MACHINE_BOUND",
+    "OverallRow",
     "PairedRow",
     "SummaryRow",
+    "in_cell",
+    "overall_csv",
+    "overall_rows",
     "paired_csv",
     "paired_rows",
-    "place_name",
+    "spot_name",
     "summary_csv",
-    "summary_markdown",
     "summary_page",
     "summary_rows",
 ]
 
 MACHINE_BOUND = "timing."  # how such a measure's name begins
-PLACES_APART = 8  # instances and budgets that get a section each; of more, each measure gets one
+SPOTS_APART = 8  # instances and budgets that get a section each; of more, each measure gets one
 Budget = int | float | None
-Place = tuple[str, Budget]
+Spot = tuple[str, Budget]  # an instance with a budget
 
 
 @dataclass(frozen=True)
@@ -80,7 +92,8 @@ class PairedRow:
     n : int                          shared seeds where both have the number
     mean, median : float             of the differences, each with its 95 % interval; no median of yes or no
     wins, ties, losses : int         seeds where `planner` is higher, the same, lower
-    p_value : float                  exact two-sided sign test, not corrected for how many rows there are
+    p_value : float                  exact sign test (of yes or no: McNemar's), two-sided, not corrected for how many
+                                     rows there are
     """
 
     instance: str
@@ -100,6 +113,30 @@ class PairedRow:
     ties: int
     losses: int
     p_value: float
+
+
+@dataclass(frozen=True)
+class OverallRow:
+    """One measure of one planner over all instances of a budget: the mean of the instances' means.
+
+    Parameters
+    ----------
+    against : str                    "", or the planner whose differences these are less, seed by seed
+    instances, seeds : int           over which; each instance counts the same
+    mean, mean_low, mean_high        its 95 % interval by a bootstrap over seeds, in which a seed's instances are
+                                     drawn together; of a rate Wilson's, see `sooner.campaigns.statistics.across`
+    """
+
+    budget: Budget
+    measure: str
+    yes_no: bool
+    planner: str
+    against: str
+    instances: int
+    seeds: int
+    mean: float
+    mean_low: float
+    mean_high: float
 
 
 def summary_rows(results: Iterable[Results]) -> list[SummaryRow]:
@@ -165,6 +202,53 @@ def _pair(ours: Results, theirs: Results, measure: str) -> PairedRow:
     return PairedRow(*head, *_three(found.mean), *_three(None if yes_no else found.median), *split, found.p_value)
 
 
+def overall_rows(results: Iterable[Results]) -> list[OverallRow]:
+    """Each planner, and each two, over all instances of a budget that has two or more.
+
+    Only planners that have the number on every instance where anybody has it: others would be judged on easier, or
+    harder, ground.
+
+    Examples
+    --------
+    >>> from sooner.campaigns.results import collect
+    >>> flown = [collect(place, "greedy", 90, [(1, {"pos": pos})]) for place, pos in (("hills", 0.5), ("plain", 0.75))]
+    >>> [(row.planner, row.mean, row.instances, row.seeds) for row in overall_rows(flown)]
+    [('greedy', 0.625, 2, 1)]
+    """
+    return [
+        row
+        for budget, cases in _by(results, lambda case: case.budget).items()
+        for measure in dict.fromkeys(name for case in cases for name in case.measures)
+        for row in _overall(budget, measure, cases)
+    ]
+
+
+def _overall(budget: Budget, measure: str, cases: Sequence[Results]) -> Iterator[OverallRow]:
+    there = [case for case in cases if measure in case.measures and not np.isnan(case.measures[measure]).all()]
+    wanted = list(_by(there, lambda case: case.instance))
+    if len(wanted) < 2:
+        return
+    of = {planner: {case.instance: case for case in some} for planner, some in _by(there, lambda c: c.planner).items()}
+    whole = {planner: [by[name] for name in wanted] for planner, by in of.items() if len(by) == len(wanted)}
+    for planner, mine in whole.items():
+        yes_no = all(measure in case.yes_no for case in mine)
+        found = across([_numbers(case, measure) for case in mine], yes_no)
+        yield OverallRow(budget, measure, yes_no, planner, "", len(wanted), found.n, *_three(found))
+    for first, second in combinations(whole, 2):
+        pairs = list(zip(whole[second], whole[first], strict=True))
+        parts = [differences_by_seed(ours, theirs, measure) for ours, theirs in pairs]
+        if all(len(values) for _, values in parts):
+            found = across(parts)
+            yes_no = all(measure in case.yes_no for pair in pairs for case in pair)
+            yield OverallRow(budget, measure, yes_no, second, first, len(wanted), found.n, *_three(found))
+
+
+def _numbers(case: Results, measure: str) -> BySeed:
+    values = case.measures[measure]
+    kept = ~np.isnan(values)
+    return case.seeds[kept], values[kept]
+
+
 def summary_csv(rows: Iterable[SummaryRow]) -> str:
     """The rows as CSV, with a header; empty where there is nothing to say."""
     return _csv(SummaryRow, rows)
@@ -173,6 +257,11 @@ def summary_csv(rows: Iterable[SummaryRow]) -> str:
 def paired_csv(rows: Iterable[PairedRow]) -> str:
     """The rows as CSV, with a header; empty where there is nothing to say."""
     return _csv(PairedRow, rows)
+
+
+def overall_csv(rows: Iterable[OverallRow]) -> str:
+    """The rows as CSV, with a header."""
+    return _csv(OverallRow, rows)
 
 
 def _csv(kind: type, rows: Iterable[Any]) -> str:
@@ -189,16 +278,18 @@ def _short(cell: object) -> object:
     return f"{cell:.10g}" if isinstance(cell, float) else cell
 
 
-def summary_markdown(title: str, results: Sequence[Results]) -> str:
-    """The page of these results; see `summary_page`."""
-    return summary_page(title, summary_rows(results), paired_rows(results))
-
-
-def summary_page(title: str, rows: Sequence[SummaryRow], pairs: Sequence[PairedRow]) -> str:
+def summary_page(
+    title: str,
+    rows: Sequence[SummaryRow],
+    pairs: Sequence[PairedRow],
+    overall: Sequence[OverallRow] = (),
+    notes: Sequence[str] = (),
+) -> str:
     """A page that people read: rates beside the means of those that have the number, then planner against planner.
 
-    Up to eight places (an instance with a budget) have a section each, with planners side by side; of more, each
-    measure has a section, with places below each other. Times and memory come last: they belong to a machine.
+    Up to eight spots (an instance with a budget) have a section each, with planners side by side; of more, each
+    measure has a section, with spots below each other. Then come all instances together, and last times and memory,
+    which belong to a machine. Notes stand at the top.
 
     Examples
     --------
@@ -212,12 +303,14 @@ def summary_page(title: str, rows: Sequence[SummaryRow], pairs: Sequence[PairedR
     | trials | 4 |
     | found | 75.0 % (30.1 to 95.4) |
     """
-    parts = [f"# {_cell(title)}", _preface(rows)]
+    parts = [f"# {in_cell(title)}", *map(in_cell, notes), _preface(rows), *([_ABOUT_PAIRS] if pairs else [])]
     parts += _sections(_of_machine(rows, False), _of_machine(pairs, False), "##")
+    parts += _together(rows, _of_machine(overall, False), "##")
     timed = _of_machine(rows, True)
     if timed:
         parts += ["## Bound to the machine", "Times and memory of the machines that flew these trials."]
         parts += _sections(timed, _of_machine(pairs, True), "###")
+        parts += _together(rows, _of_machine(overall, True), "###")
     return "\n\n".join(parts) + "\n"
 
 
@@ -229,32 +322,91 @@ def _preface(rows: Sequence[SummaryRow]) -> str:
     cases = {(row.instance, row.budget, row.planner): row for row in rows}.values()
     finished, aside = sum(row.trials for row in cases), sum(row.failed for row in cases)
     return (
-        f"{finished} trials finished, {aside} were set aside. In brackets stand 95 % intervals: Wilson's of a rate, a "
-        "percentile bootstrap of a mean or median of up to 1000 trials (too narrow below about 10), else closed forms. "
-        "Where only some trials have a number, mean and median are of those, and how many that is stands beside them."
+        f"{finished} trials finished, {aside} were set aside. In brackets stand 95 % intervals: Wilson's of a rate, an "
+        "expanded percentile bootstrap of a mean or median of up to 1000 trials, else closed forms. A single trial has "
+        "none, n = 1 stands there; of three it holds the truth three times in four only. Where only some trials have a "
+        "number, mean and median are of those, and how many that is stands beside them."
     )
 
 
+_ABOUT_PAIRS = (
+    "Planner *less* planner compares the two seed by seed. That is fair always, and sharper than two intervals side by "
+    "side only where the seed decides something that both meet, as a map that is drawn from it; on a fixed map the "
+    "seed drives the planners' own random numbers alone. p is that of the exact sign test (of yes or no: McNemar's "
+    "exact test), two-sided: how often as uneven a split of higher and lower comes by chance. It is not corrected for "
+    "the number of rows: of twenty without any difference, one may well have p < 0.05."
+)
+
+
 def _sections(rows: Sequence[SummaryRow], pairs: Sequence[PairedRow], marks: str) -> Iterator[str]:
-    """Place by place, or measure by measure where there are many places."""
-    places = _by(rows, _place)
-    if len(places) <= PLACES_APART:
-        for place, some in places.items():
-            yield f"{marks} {_cell(place_name(*place))}\n\n{_planners_aside(some)}"
-            yield from _against([pair for pair in pairs if _place(pair) == place], by_measure=True)
+    """Spot by spot, or measure by measure where there are many spots."""
+    spots = _by(rows, _spot)
+    if len(spots) <= SPOTS_APART:
+        for spot, some in spots.items():
+            yield f"{marks} {in_cell(spot_name(*spot))}\n\n{_planners_aside(some)}"
+            yield from _against([pair for pair in pairs if _spot(pair) == spot], by_measure=True)
         return
-    yield f"{marks} trials\n\n{_places_below(rows, _trials)}"
+    yield f"{marks} trials\n\n{_spots_below(rows, _trials)}"
     for measure, some in _by((row for row in rows if row.measure), lambda row: row.measure).items():
-        yield f"{marks} {_cell(measure)}\n\n{_places_below(some, _mean)}"
+        yield f"{marks} {in_cell(measure)}\n\n{_spots_below(some, _mean)}"
         yield from _against([pair for pair in pairs if pair.measure == measure], by_measure=False)
 
 
-def _place(row: SummaryRow | PairedRow) -> Place:
+def _spot(row: SummaryRow | PairedRow) -> Spot:
     return row.instance, row.budget
 
 
+def _together(rows: Sequence[SummaryRow], overall: Sequence[OverallRow], marks: str) -> Iterator[str]:
+    """All instances of a budget: planners side by side, and each against the first."""
+    planners = list(_by(rows, lambda row: row.planner))
+    instances = {budget: len(_by(some, lambda row: row.instance)) for budget, some in _by(rows, _budget).items()}
+    for budget, some in _by(overall, _budget).items():
+        heading = spot_name(f"All {instances[budget]} instances", budget)
+        yield f"{marks} {heading}" + (f"\n\n{_ABOUT_OVERALL}" if budget == overall[0].budget else "")
+        shown = [name for name in planners if any(row.planner == name for row in some)]
+        lines = []
+        for measure, here in _by((row for row in some if not row.against), lambda row: row.measure).items():
+            of = {row.planner: row for row in here}
+            label = measure + (f" ({here[0].instances} instances)" if here[0].instances < instances[budget] else "")
+            lines.append([label, *(_overall_cell(of.get(name)) for name in shown)])
+        yield _grid(["", *shown], lines, "|---|" + "---:|" * len(shown))
+        pairs = [row for row in some if row.against]
+        held = [
+            [row.measure, row.planner, row.against, str(row.seeds), _difference(row)]
+            for here in _by(pairs, lambda row: row.measure).values()
+            for row in here
+            if row.against == here[0].against
+        ]
+        if held:
+            yield _grid(["measure", "planner", "less", "seeds", "mean difference"], held, "|---|---|---|---:|---:|")
+
+
+_ABOUT_OVERALL = (
+    "The mean of the instances' means, each instance counting the same. The interval is by a bootstrap over seeds that "
+    "keeps a seed's instances together. The instances are the ones asked for, not a sample of others: the interval "
+    "says how far other seeds may lead, not other instances. A planner without the number on one of them has no cell."
+)
+
+
+def _budget(row: SummaryRow | OverallRow) -> Budget:
+    return row.budget
+
+
+def _overall_cell(row: OverallRow | None) -> str:
+    if row is None:
+        return ""
+    if row.yes_no:
+        return f"{100 * row.mean:.1f} % ({100 * row.mean_low:.1f} to {100 * row.mean_high:.1f})"
+    return _interval(row.mean, row.mean_low, row.mean_high) + (" (1 seed)" if row.seeds == 1 else "")
+
+
+def _difference(row: PairedRow | OverallRow) -> str:
+    scale, unit = (100.0, " points") if row.yes_no else (1.0, "")
+    return _interval(row.mean, row.mean_low, row.mean_high, scale, unit, "+")
+
+
 def _planners_aside(rows: Sequence[SummaryRow]) -> str:
-    """One place: a column for each planner, up to three lines for each measure."""
+    """One spot: a column for each planner, up to three lines for each measure."""
     planners = list(_by(rows, lambda row: row.planner))
     cases = {row.planner: row for row in reversed(rows)}
     lines = [["trials", *(_trials(cases[planner]) for planner in planners)]]
@@ -262,7 +414,7 @@ def _planners_aside(rows: Sequence[SummaryRow]) -> str:
     for measure, some in sorted(measures.items(), key=lambda item: not item[1][0].yes_no):  # rates come first
         of = {row.planner: row for row in some}
         lines += [[label, *cells] for label, cells in _measure_lines(measure, [of.get(name) for name in planners])]
-    return _table(["", *planners], lines, "|---|" + "---:|" * len(planners))
+    return _grid(["", *planners], lines, "|---|" + "---:|" * len(planners))
 
 
 def _measure_lines(measure: str, rows: Sequence[SummaryRow | None]) -> Iterator[tuple[str, list[str]]]:
@@ -277,15 +429,15 @@ def _measure_lines(measure: str, rows: Sequence[SummaryRow | None]) -> Iterator[
         yield f"{measure}, trials that have it", [f"{row.n} of {row.trials}" if row else "" for row in rows]
 
 
-def _places_below(rows: Sequence[SummaryRow], cell: Callable[[SummaryRow], str]) -> str:
-    """Many places: a line for each, a column for each planner."""
+def _spots_below(rows: Sequence[SummaryRow], cell: Callable[[SummaryRow], str]) -> str:
+    """Many spots: a line for each, a column for each planner."""
     planners = list(_by(rows, lambda row: row.planner))
     lines = []
-    for (instance, budget), some in _by(rows, _place).items():
+    for (instance, budget), some in _by(rows, _spot).items():
         of = {row.planner: row for row in reversed(some)}
         cells = [cell(of[planner]) if planner in of else "" for planner in planners]
         lines.append([instance, _figure(budget), *cells])
-    return _table(["instance", "budget", *planners], lines, "|---|---:|" + "---:|" * len(planners))
+    return _grid(["instance", "budget", *planners], lines, "|---|---:|" + "---:|" * len(planners))
 
 
 def _against(pairs: Sequence[PairedRow], by_measure: bool) -> Iterator[str]:
@@ -293,23 +445,21 @@ def _against(pairs: Sequence[PairedRow], by_measure: bool) -> Iterator[str]:
     lead = ["measure"] if by_measure else ["instance", "budget"]
     lines = [
         [*([pair.measure] if by_measure else [pair.instance, _figure(pair.budget)]), *_against_cells(pair)]
-        for some in _by(pairs, lambda pair: (_place(pair), pair.measure)).values()
+        for some in _by(pairs, lambda pair: (_spot(pair), pair.measure)).values()
         for pair in some
         if pair.against == some[0].against
     ]
     if lines:
         head = [*lead, "planner", "less", "seeds", "mean difference", "median difference", "higher / same / lower", "p"]
-        yield _table(head, lines, "|" + "---|" * (len(lead) + 2) + "---:|" * 5)
+        yield _grid(head, lines, "|" + "---|" * (len(lead) + 2) + "---:|" * 5)
 
 
 def _against_cells(pair: PairedRow) -> list[str]:
-    scale = 100.0 if pair.yes_no else 1.0
-    unit = " points" if pair.yes_no else ""
     return [
         pair.planner,
         pair.against,
         str(pair.n),
-        _interval(pair.mean, pair.mean_low, pair.mean_high, scale, unit, "+"),
+        _difference(pair),
         _interval(pair.median, pair.median_low, pair.median_high, sign="+"),
         f"{pair.wins} / {pair.ties} / {pair.losses}",
         "< 0.0001" if pair.p_value < 1e-4 else f"{pair.p_value:.2g}",
@@ -328,7 +478,7 @@ def _mean(row: SummaryRow | None, beside: str | None = None) -> str:
         beside = f"; {row.n} of {row.trials}" if row.n < row.trials else ""
     if row.yes_no and row.mean_low is not None and row.mean_high is not None:
         return f"{100 * row.mean:.1f} % ({100 * row.mean_low:.1f} to {100 * row.mean_high:.1f}){beside}"
-    return _interval(row.mean, row.mean_low, row.mean_high) + beside
+    return _interval(row.mean, row.mean_low, row.mean_high) + (" (n = 1)" if row.n == 1 else "") + beside
 
 
 def _median(row: SummaryRow | None) -> str:
@@ -358,22 +508,22 @@ def _figure(value: float | None, sign: str = "") -> str:
     return f"{value:{sign}.0f}" if 1e4 <= abs(value) < 1e15 else f"{value:{sign}.4g}"
 
 
-def place_name(instance: str, budget: Budget) -> str:
+def spot_name(instance: str, budget: Budget) -> str:
     """As people read it.
 
-    >>> place_name("hills", 300), place_name("hills", None)
+    >>> spot_name("hills", 300), spot_name("hills", None)
     ('hills, budget 300', 'hills')
     """
     return instance + ("" if budget is None else f", budget {_figure(budget)}")
 
 
-def _table(head: Sequence[str], lines: Iterable[Sequence[str]], rule: str) -> str:
-    drawn = ["| " + " | ".join(_cell(cell) for cell in line) + " |" for line in (head, *lines)]
+def _grid(head: Sequence[str], lines: Iterable[Sequence[str]], rule: str) -> str:
+    drawn = ["| " + " | ".join(in_cell(cell) for cell in line) + " |" for line in (head, *lines)]
     drawn[0] = drawn[0].replace("|  |", "| |", 1)
     return "\n".join([drawn[0], rule, *drawn[1:]])
 
 
-def _cell(text: str) -> str:
+def in_cell(text: str) -> str:
     """Names may hold what Markdown would take for the edge of a cell, or a line's end."""
     return " ".join(text.replace("\\", "\\\\").replace("|", "\\|").split())
 

@@ -15,7 +15,7 @@ from typing import IO, Any, Literal
 
 from sooner.errors import DataFormatError, Fault, InvalidProblemError
 
-__all__ = ["Tidy", "flat", "write_tidy"]
+__all__ = ["Kind", "Tidy", "flat", "write_tidy"]
 
 ROWS_AT_ONCE = 50_000  # in memory, and in a row group of Parquet
 NO_PYARROW = "no Parquet was written: pyarrow is not installed; pip install 'sooner[parquet]'"
@@ -58,18 +58,24 @@ def flat(answer: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def write_tidy(
-    rows: Iterable[Mapping[str, Any]], columns: Sequence[str], csv_file: Path, parquet: Path | None = None
+    rows: Iterable[Mapping[str, Any]],
+    columns: Sequence[str] | Mapping[str, Kind],
+    csv_file: Path,
+    parquet: Path | None = None,
 ) -> Tidy:
     """Write trials as CSV and, if asked and pyarrow is there, as Parquet; all files whole, or none.
 
     Rows are read once. They are put aside on the disk, beside the CSV, until all columns and their types are known, so
     that a million of them need no more memory than 50,000. A column is yes/no, whole numbers, numbers or text,
     whichever is the narrowest that holds all of its values; nulls fit in each. One without a value is of numbers.
+    Columns that are given with their kind have that type in Parquet whatever they hold, so that files of several
+    campaigns fit together; the CSV has their values as they came.
 
     Parameters
     ----------
     rows : of flat mappings    value by column; see `flat`
-    columns : of str           come first, in this order, whether or not a row has them; others follow as first met
+    columns : of str           come first, in this order, whether or not a row has them; others follow as first met. A
+                               mapping gives their kinds as well
 
     Raises
     ------
@@ -90,7 +96,8 @@ def write_tidy(
     note = NO_PYARROW if parquet is not None and not _has_pyarrow() else ""
     wanted = None if note else parquet
     try:
-        with _spooled(rows, columns, csv_file) as aside, _beside(csv_file, wanted) as beside:
+        fixed = dict(columns) if isinstance(columns, Mapping) else {}
+        with _spooled(rows, columns, csv_file, fixed) as aside, _beside(csv_file, wanted) as beside:
             _write_csv(aside, beside[0])
             if wanted is not None:
                 _write_parquet(aside, beside[1])
@@ -114,6 +121,7 @@ class _Aside:
 
     file: IO[bytes]
     types: dict[str, set[type]]
+    fixed: Mapping[str, Kind]
     rows: int = 0
     ends: list[int] = field(default_factory=list)
     wide: set[str] = field(default_factory=set)
@@ -133,11 +141,11 @@ class _Aside:
 
     @property
     def kinds(self) -> dict[str, Kind]:
-        return {name: _kind(types, name in self.wide) for name, types in self.types.items()}
+        return {name: self.fixed.get(name) or _kind(types, name in self.wide) for name, types in self.types.items()}
 
-    def batches(self) -> Iterator[dict[str, list[Any]]]:
-        """By columns, each batch with all of them, each value as its column's kind."""
-        kinds = self.kinds
+    def batches(self, as_came: bool = False) -> Iterator[dict[str, list[Any]]]:
+        """By columns, each batch with all of them, values as their column's kind; where it is fixed, as they came."""
+        kinds = self.kinds | (dict.fromkeys(self.fixed) if as_came else {})
         self.file.seek(0)
         for _ in self.ends:
             n, columns = pickle.load(self.file)
@@ -155,18 +163,20 @@ def _kind(types: set[type], wide: bool) -> Kind:
     return "text" if wide else "whole"
 
 
-def _as(kind: Kind, values: list[Any]) -> list[Any]:
-    if kind == "yes_no":
+def _as(kind: Kind | None, values: list[Any]) -> list[Any]:
+    if kind is None or kind == "yes_no":
         return values
     of: Callable[[Any], Any] = {"whole": int, "number": float, "text": str}[kind]
     return [None if value is None else of(value) for value in values]
 
 
 @contextmanager
-def _spooled(rows: Iterable[Mapping[str, Any]], columns: Sequence[str], near: Path) -> Iterator[_Aside]:
+def _spooled(
+    rows: Iterable[Mapping[str, Any]], columns: Iterable[str], near: Path, fixed: Mapping[str, Kind]
+) -> Iterator[_Aside]:
     near.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryFile(dir=near.parent) as file:
-        aside = _Aside(file, {name: set() for name in columns})
+        aside = _Aside(file, {name: set() for name in columns}, fixed)
         left = iter(rows)
         while batch := list(islice(left, ROWS_AT_ONCE)):
             aside.put(batch)
@@ -194,7 +204,7 @@ def _write_csv(aside: _Aside, path: Path) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(kinds)
-        for batch in aside.batches():
+        for batch in aside.batches(as_came=True):
             columns = [_words(values) if kinds[name] == "yes_no" else values for name, values in batch.items()]
             writer.writerows(zip(*columns, strict=True))
         _flush(file)

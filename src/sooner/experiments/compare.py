@@ -7,35 +7,13 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
 
-from sooner.experiments.published import Published, Reproduced
+from sooner.campaigns.study import Rule
+from sooner.campaigns.summary import in_cell
+from sooner.experiments.published import Key, Published, Reproduced
 
-__all__ = ["Comparison", "Rule", "compare", "comparison_markdown", "tables_markdown"]
+__all__ = ["Comparison", "compare", "comparison_markdown", "tables_markdown"]
 
 UNEXPLAINED = "not explained yet"
-
-
-@dataclass(frozen=True)
-class Rule:
-    """How a group of numbers is judged, or why it differs. Table, row and column may hold * and ?.
-
-    Parameters
-    ----------
-    exact, near : float        largest differences that still count as the same, and as near
-    sense : str                "same" (both ways count), "limit" (no more than that), "time" (less is faster)
-    reason : str               why it differs, or cannot be measured
-    """
-
-    table: str = "*"
-    row: str = "*"
-    column: str = "*"
-    exact: float = 0.02
-    near: float = 2.5
-    sense: str = "same"
-    reason: str = ""
-
-    def holds_for(self, key: tuple[str, str, str]) -> bool:
-        """Whether a number falls under this rule."""
-        return all(fnmatchcase(k, pattern) for k, pattern in zip(key, (self.table, self.row, self.column), strict=True))
 
 
 @dataclass(frozen=True)
@@ -67,18 +45,24 @@ def compare(
 ) -> list[Comparison]:
     """Every published number with its verdict; later rules overrule earlier ones, setting by setting."""
     ours = {row.key: row for row in reproduced}
-    return [_judged(number, ours.get(number.key), rules) for number in published]
+    checked = [(Rule(**given), given) for given in rules]
+    return [_judged(number, ours.get(number.key), checked) for number in published]
 
 
-def _judged(number: Published, ours: Reproduced | None, rules: Sequence[Mapping[str, Any]]) -> Comparison:
+def _judged(number: Published, ours: Reproduced | None, rules: Sequence[tuple[Rule, Mapping[str, Any]]]) -> Comparison:
     settings: dict[str, Any] = {}
-    for given in rules:
-        if Rule(**{key: given[key] for key in ("table", "row", "column") if key in given}).holds_for(number.key):
+    for held, given in rules:
+        if _holds(held, number.key):
             settings |= given
     rule = Rule(**settings)
     verdict = "not measured" if ours is None else _verdict(number, ours.value, rule)
     reason = "" if verdict in ("same", "holds", "faster") else rule.reason or UNEXPLAINED
     return Comparison(number, ours, verdict, reason)
+
+
+def _holds(rule: Rule, key: Key) -> bool:
+    """Whether a number falls under it."""
+    return all(fnmatchcase(k, pattern) for k, pattern in zip(key, (rule.table, rule.row, rule.column), strict=True))
 
 
 def _verdict(number: Published, ours: float, rule: Rule) -> str:
@@ -98,30 +82,62 @@ def _verdict(number: Published, ours: float, rule: Rule) -> str:
 def comparison_markdown(title: str, found: Sequence[Comparison], beyond: Sequence[Reproduced]) -> str:
     """The page `comparison.md`: a summary, a table for each of the paper's, then what goes beyond the paper."""
     tables = list(dict.fromkeys(comparison.published.table for comparison in found))
-    parts = [f"# {title}", _preface(found), _summary(found)]
+    parts = [f"# {in_cell(title)}", _preface(found, beyond), _summary(found)]
     parts += [_table(table, [c for c in found if c.published.table == table]) for table in tables]
     parts += [_beyond(table, [row for row in beyond if row.table == table]) for table in _others(found, beyond)]
     return "\n\n".join(parts) + "\n"
 
 
-def tables_markdown(title: str, rows: Sequence[Reproduced]) -> str:
-    """The page `tables.md`: the tables of a study that nothing printed stands beside."""
-    told = "The mean, median or rate that the study asks for, in brackets its 95 % interval."
-    parts = [
-        f"# {title}",
-        told,
-        *(_beyond(table, [row for row in rows if row.table == table]) for table in _others([], rows)),
-    ]
+def tables_markdown(
+    title: str, rows: Sequence[Reproduced], empty: Mapping[str, str] | None = None, note: str = ""
+) -> str:
+    """The page `tables.md`: the tables of a study that nothing printed stands beside.
+
+    Parameters
+    ----------
+    empty : mapping      tables without a row, and why; they come last
+    note : str           what the reader should know first
+    """
+    told = (
+        "What the study asks for (mean, median, deviation or rate), in brackets its 95 % interval, and n where cells "
+        "differ in it. Where a cell pools several places, the interval is by a bootstrap over seeds, which keeps the "
+        "trials of a seed together. A cell of a single seed has no interval."
+    )
+    parts = [f"# {in_cell(title)}", *filter(None, [in_cell(note)]), told]
+    parts += [_beyond(table, [row for row in rows if row.table == table]) for table in _others([], rows)]
+    parts += [f"## {in_cell(table)}\n\n{in_cell(why)}" for table, why in (empty or {}).items()]
     return "\n\n".join(parts) + "\n"
 
 
-def _preface(found: Sequence[Comparison]) -> str:
-    ours = next((c.ours for c in found if c.ours is not None), None)
-    made = f" Made by commit `{ours.commit}` on {ours.processor}." if ours is not None else ""
+def _preface(found: Sequence[Comparison], beyond: Sequence[Reproduced]) -> str:
     return (
-        "Written by `sooner reproduce`; do not edit. *Ours* is the mean (or median, where the study says so) of n "
-        f"trials with the 95 % interval of its bootstrap.{made}"
+        "Written by `sooner reproduce`; do not edit. *Ours* is the mean (or median, deviation or rate, where the study "
+        "says so) of n trials with its 95 % interval: an expanded percentile bootstrap, of a rate Wilson's."
+        + _made_by({c.ours.key: c.ours for c in found if c.ours is not None} | {row.key: row for row in beyond})
     )
+
+
+def _made_by(rows: Mapping[Key, Reproduced]) -> str:
+    """Every commit and every processor that stands in the rows: some may be left from an earlier run."""
+    commits: dict[str, int] = {}
+    for row in rows.values():
+        commits[row.commit] = commits.get(row.commit, 0) + 1
+    if not commits:
+        return ""
+    processors = " and ".join(sorted({row.processor for row in rows.values()}))
+    names = {commit: " and ".join(f"`{part}`" for part in commit.split(" and ") if part) for commit in commits}
+    names = {commit: name or "an unknown commit" for commit, name in names.items()}
+    if len(commits) == 1:
+        return f" Made by {_commit(next(iter(names.values())))} on {processors}."
+    told = ", ".join(f"{count} by {names[commit]}" for commit, count in commits.items())
+    return (
+        f" The rows were not all made by the same commit: {told}, on {processors}. `reproduced.csv` says which row is "
+        "whose."
+    )
+
+
+def _commit(names: str) -> str:
+    return names if names.startswith("an ") else f"commit{'s' if ' and ' in names else ''} {names}"
 
 
 def _summary(found: Sequence[Comparison]) -> str:
@@ -129,21 +145,21 @@ def _summary(found: Sequence[Comparison]) -> str:
     lines = ["| table | " + " | ".join(verdicts) + " |", "|---|" + "---:|" * len(verdicts)]
     for table in dict.fromkeys(comparison.published.table for comparison in found):
         here = [comparison.verdict for comparison in found if comparison.published.table == table]
-        lines.append(f"| {table} | " + " | ".join(str(here.count(v) or "") for v in verdicts) + " |")
+        lines.append(f"| {in_cell(table)} | " + " | ".join(str(here.count(v) or "") for v in verdicts) + " |")
     return "\n".join(lines)
 
 
 def _table(name: str, found: Sequence[Comparison]) -> str:
     reasons = list(dict.fromkeys(comparison.reason for comparison in found if comparison.reason))
     lines = [
-        f"## {name}\n\n| row | column | published | ours | interval | n | difference | verdict | why |",
+        f"## {in_cell(name)}\n\n| row | column | published | ours | interval | n | difference | verdict | why |",
         "|---|---|---:|---:|---:|---:|---:|---|---|",
     ]
     for comparison in found:
         number = comparison.published
         why = f"({reasons.index(comparison.reason) + 1})" if comparison.reason else ""
         cells = [number.row, number.column, number.value, *_ours(comparison), comparison.verdict, why]
-        lines.append("| " + " | ".join(cells) + " |")
+        lines.append("| " + " | ".join(map(in_cell, cells)) + " |")
     notes = [f"{number}. {reason}" for number, reason in enumerate(reasons, 1)]
     return "\n".join(lines + (["", *notes] if notes else []))
 
@@ -168,19 +184,21 @@ def _others(found: Sequence[Comparison], rows: Sequence[Reproduced]) -> list[str
 
 
 def _beyond(name: str, rows: Sequence[Reproduced]) -> str:
-    """Ours alone, as a grid: a line for each row, a column for each column."""
+    """Ours alone, as a grid: a line for each row, a column for each column; n of each cell where they differ."""
     value = {(row.row, row.column): row for row in rows}
     columns = list(dict.fromkeys(row.column for row in rows))
-    lines = [f"## {name}", "", "| | " + " | ".join(columns) + " |", "|---|" + "---:|" * len(columns)]
+    counts = {row.n for row in rows}
+    head = "| | " + " | ".join(map(in_cell, columns)) + " |"
+    lines = [f"## {in_cell(name)}", "", head, "|---|" + "---:|" * len(columns)]
     for row in dict.fromkeys(row.row for row in rows):
-        cells = [_with_interval(value.get((row, column))) for column in columns]
-        lines.append(f"| {row} | " + " | ".join(cells) + " |")
-    return "\n".join([*lines, "", f"n = {max(row.n for row in rows)}"])
+        cells = [_with_interval(value.get((row, column)), len(counts) > 1) for column in columns]
+        lines.append(f"| {in_cell(row)} | " + " | ".join(cells) + " |")
+    return "\n".join(lines + ([] if len(counts) > 1 else ["", f"n = {counts.pop()}"]))
 
 
-def _with_interval(row: Reproduced | None) -> str:
+def _with_interval(row: Reproduced | None, with_n: bool) -> str:
     if row is None:
         return ""
-    if row.low == row.high:
-        return _figure(row.value)
-    return f"{_figure(row.value)} ({_figure(row.low)} to {_figure(row.high)})"
+    told = [f"{_figure(row.low)} to {_figure(row.high)}"] if row.low != row.high else []
+    told += [f"n = {row.n}"] if with_n else []
+    return _figure(row.value) + (f" ({'; '.join(told)})" if told else "")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import ceil
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
@@ -36,18 +36,22 @@ class Sample:
     Parameters
     ----------
     planner : str
-    values : (n,) float            of every trial that has the number
+    values : (n,) float            of every trial that has the number; none where the planner has nothing to show
     mean, low, high : float        with its 95 % interval
+    note : str                     then stands in place of the dots: that all trials failed
     """
 
     planner: str
-    values: NDArray[np.float64]
-    mean: float
-    low: float
-    high: float
+    values: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    mean: float = np.nan
+    low: float = np.nan
+    high: float = np.nan
+    note: str = ""
 
 
-def plot_summary(title: str, measure: str, places: Mapping[str, Sequence[Sample]], yes_no: bool = False) -> bytes:
+def plot_summary(
+    title: str, measure: str, places: Mapping[str, Sequence[Sample]], yes_no: bool = False, note: str = ""
+) -> bytes:
     """PNG: a panel for each place, in it a line for each planner, the first planner's mean as a thin line.
 
     Twelve places of sixteen planners at most are drawn, and a thousand evenly chosen trials of each; the picture says
@@ -59,6 +63,7 @@ def plot_summary(title: str, measure: str, places: Mapping[str, Sequence[Sample]
     measure : str          whose numbers these are
     places : mapping       samples by the name of the place
     yes_no : bool          then the numbers are 0 and 1, and told as percent
+    note : str             what the reader should know first, below the title
     """
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -69,13 +74,15 @@ def plot_summary(title: str, measure: str, places: Mapping[str, Sequence[Sample]
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a name in a script that the font lacks
         figure = Figure(facecolor=PAPER)
         FigureCanvasAgg(figure)
-        _compose(figure, title, measure, dict(places), 100.0 if yes_no else 1.0)
+        _compose(figure, title, measure, dict(places), 100.0 if yes_no else 1.0, note)
         drawn = io.BytesIO()
         figure.savefig(drawn, format="png", dpi=130, facecolor=PAPER, metadata={"Software": "sooner"})
     return drawn.getvalue()
 
 
-def _compose(figure: Figure, title: str, measure: str, places: Mapping[str, Sequence[Sample]], scale: float) -> None:
+def _compose(
+    figure: Figure, title: str, measure: str, places: Mapping[str, Sequence[Sample]], scale: float, note: str
+) -> None:
     shown = {name: list(samples)[:PLANNERS_MOST] for name, samples in list(places.items())[:PLACES_MOST]}
     planners = [[sample.planner for sample in samples] for samples in shown.values()]
     same = all(names == planners[0] for names in planners)  # then names stand once, on the left
@@ -85,15 +92,19 @@ def _compose(figure: Figure, title: str, measure: str, places: Mapping[str, Sequ
     names = 0.075 * max(len(_name(name)) for some in planners for name in some) + 0.25
     wide, gap = WIDE.get(columns, 2.6), 0.35 if same else names + 0.2
     width = names + columns * wide + (columns - 1) * gap + 0.3
-    height = HEAD + rows * (tall + GAP)
+    head = HEAD + (0.22 if note else 0.0)
+    height = head + rows * (tall + GAP)
     figure.set_size_inches(width, height)
     for number, (place, samples) in enumerate(shown.items()):
         row, column = divmod(number, columns)
         x = names + column * (wide + gap)
-        y = height - HEAD - row * (tall + GAP) - tall - 0.3
+        y = height - head - row * (tall + GAP) - tall - 0.3
         axes = figure.add_axes((x / width, y / height, wide / width, tall / height))
         _draw(axes, place, samples, measure, scale, named=column == 0 or not same)
     _title(figure, title, measure if scale == 1.0 else f"{measure}, %", places, width, height)
+    if note:
+        told = shorten(note, int(width * 14), placeholder=" …")
+        figure.text(0.15 / width, 1 - 0.77 / height, told, fontsize=8.5, color=INK, va="center")
 
 
 def _columns(count: int) -> int:
@@ -114,8 +125,15 @@ def _draw(axes: Axes, place: str, samples: Sequence[Sample], measure: str, scale
     from matplotlib.ticker import MaxNLocator
 
     lines = np.arange(len(samples))
-    axes.axvline(scale * samples[0].mean, color=VALUE, lw=0.8, alpha=0.55, zorder=1)
+    if len(samples[0].values):
+        axes.axvline(scale * samples[0].mean, color=VALUE, lw=0.8, alpha=0.55, zorder=1)
     for line, sample in zip(lines, samples, strict=True):
+        if not len(sample.values):
+            at = axes.get_yaxis_transform()
+            axes.text(
+                0.02, float(line), sample.note, transform=at, fontsize=8.5, style="italic", color=GREY, va="center"
+            )
+            continue
         values = sample.values[:: max(ceil(len(sample.values) / DOTS_MOST), 1)]
         off = 0.5 * ((np.arange(len(values)) * GOLDEN) % 1.0 - 0.5)
         faint = float(np.clip(6.0 / max(len(values), 1) ** 0.5, 0.08, 0.5))
