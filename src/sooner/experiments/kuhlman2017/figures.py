@@ -158,11 +158,11 @@ def _colours(name: str) -> Colormap:
 def figure_4(flown: Flown) -> Figure:
     """One region's coverage path: with a stop at every corner, and with corners flown as arcs."""
     found = ground("low", 1)
-    region = int(np.argsort(found.regions.sizes)[found.regions.n_regions // 2])
+    region = int(np.argmax(found.regions.sizes))
     grid = found.environment.grid
     path = min(coverage_paths(grid, found.regions, region, 8.8), key=DRONE.seconds)
     rows, cols = found.regions.box(region)
-    figure, axes = _panels(1, 2, 3.0, 3.0)
+    figure, axes = _panels(1, 2, 2.1, 3.6)
     titles = ("stops at every corner", "arcs between plow lines")
     for ax, flight, title in zip(axes, (Trajectory.through(path, DRONE), rounded(path, DRONE)), titles, strict=True):
         inside = found.regions.labels == region
@@ -199,7 +199,7 @@ def figure_5(flown: Flown) -> Figure:
     solid.plot_surface(cols, rows, both[::2, ::2], cmap="terrain", lw=0, rcount=50, ccount=100)
     solid.set_box_aspect((2, 1, 0.35), zoom=1.5)
     solid.invert_yaxis()
-    solid.view_init(45, -70)
+    solid.view_init(50, -80)
     solid.set(xticks=[], yticks=[], zticks=[], title="c) the same in three dimensions")
     return figure
 
@@ -208,7 +208,7 @@ def figure_6(flown: Flown) -> Figure:
     """The first environment of each kind, in regions."""
     from matplotlib.colors import ListedColormap
 
-    figure, axes = _panels(2, 2, 3.2, 1.8)
+    figure, axes = _panels(2, 2, 3.0, 1.72)
     for ax, kind in zip(axes, KINDS, strict=True):
         found = ground(kind, 1)
         labels, free = found.regions.labels, found.environment.free
@@ -263,7 +263,7 @@ def figure_7(flown: Flown) -> Figure:
 
 def figure_15(flown: Flown) -> Figure:
     """Entropy before the search."""
-    figure, axes = _panels(2, 2, 3.2, 1.8)
+    figure, axes = _panels(2, 2, 3.0, 1.72)
     for ax, kind in zip(axes, KINDS, strict=True):
         place = environment(kind, 1, nonuniform=True)
         bits = EvidenceGrid(place.theta).entropy
@@ -301,14 +301,14 @@ def figure_9(flown: Flown) -> Figure:
         ("regions", "a) regions"), ("t_max", "b) T_max, s"), ("expanded", "c) nodes expanded"),
         ("timing.first_s", "d) first solution, s"), ("timing.cpu_seconds", "e) whole search, s"),
         ("first_info", "f) first information, %"), ("info", "g) final information, %"),
-        ("swept_m2_per_m", "h) swept by ways, m² per m"),
+        ("swept_m2_per_m", "h) swept, m² per m"),
     )  # fmt: skip
     figure, axes = _panels(2, 4, 1.95, 1.9)
     for ax, (measure, label) in zip(axes, told, strict=True):
         _over_cells(ax, flown, "", planner, measure, "black")
         ax.set(title=label)
         if measure in ("regions", "t_max", "expanded", "timing.first_s", "timing.cpu_seconds"):
-            ax.set_ylim(0, None)
+            ax.set_ylim(0, 1.1 * ax.get_ylim()[1])
     for ax in axes[4:]:
         ax.set(xlabel="cells")
     _over_cells(axes[6], flown, "wide ", planner, "info", "#b35806")
@@ -344,7 +344,7 @@ def _plans(planner: str, prior: str) -> Callable[[Flown], Figure]:
 
 def _footprints(flown: Flown, planner: str, prior: str) -> Figure:
     """How often each cell is looked at, in the trial in the middle of each kind."""
-    figure, axes = _panels(2, 2, 3.2, 1.85)
+    figure, axes = _panels(2, 2, 3.0, 1.62)
     for ax, kind in zip(axes, KINDS, strict=True):
         name = f"{kind} {prior}"
         seed, actions, info = flown.middle(name, planner)

@@ -99,7 +99,6 @@ def posed(instance: Mapping[str, Any], seed: int) -> Posed:
     return Posed(found, found.problems[start])
 
 
-@lru_cache(maxsize=KEPT)
 def ground(
     kind: str, number: int, nonuniform: bool = False, preset: str = "A", n_cells: int = 0, wide: bool = False
 ) -> Ground:
@@ -107,6 +106,11 @@ def ground(
 
     Starts are the centres of four regions, drawn without replacement where there are so many.
     """
+    return _ground(kind, number, nonuniform, preset, n_cells, wide)
+
+
+@lru_cache(maxsize=KEPT)
+def _ground(kind: str, number: int, nonuniform: bool, preset: str, n_cells: int, wide: bool) -> Ground:
     place = environment(kind, number, nonuniform, n_cells)
     regions = boustrophedon(place.grid)
     rng = np.random.default_rng((STARTS_SEED, place.seed))
