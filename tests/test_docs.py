@@ -3,13 +3,17 @@
 import re
 import shlex
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
 from sooner.bibliography import BIBLIOGRAPHY
 from sooner.campaigns.reference import reference_page as study_file_page
+from sooner.campaigns.report import COLUMNS, REPORT
+from sooner.campaigns.summary import OverallRow, PairedRow, SummaryRow
 from sooner.cli.main import run
+from sooner.experiments.published import Reproduced
 from sooner.missions.reference import reference_page
 from sooner.planners.registry import PLANNERS
 from sooner.scenarios import SCENARIOS
@@ -58,6 +62,23 @@ def test_the_mission_file_is_explained_as_it_is_checked():
 def test_the_study_file_is_explained_as_it_is_checked():
     told = (ROOT / "docs" / "study_file.md").read_text(encoding="utf-8")
     assert told == study_file_page(), "write docs/study_file.md anew from sooner.campaigns.reference.reference_page()"
+
+
+def test_every_column_that_a_campaign_writes_is_explained():
+    told = (ROOT / "docs" / "campaign_files.md").read_text(encoding="utf-8")
+    sections = {part.partition("\n")[0]: part for part in told.split("\n## ")}
+    columns = {
+        "`trials.csv`": list(COLUMNS),
+        "`summary.csv`": [column.name for column in fields(SummaryRow)],
+        "`paired.csv`": [column.name for column in fields(PairedRow)],
+        "`overall.csv`": [column.name for column in fields(OverallRow)],
+        "`tables.csv`": [column.name for column in fields(Reproduced)],
+    }
+    for file, names in columns.items():
+        cells = [line.split("|")[1] for line in sections[file].splitlines() if line.startswith("| `")]
+        assert {name for cell in cells for name in re.findall(r"`(\w+)`", cell)} == set(names), file
+    for file in (*REPORT, "tables.md", "tables.csv"):
+        assert f"`{file}`" in sections["# The files of a campaign"]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)

@@ -16,7 +16,7 @@ trials = 20                                       # seeds 0, 1, ... of each case
 budgets = [300, 600]
 
 [instances]
-hills = { scenario = "many-hills", seed = 7 }
+hills = { scenario = "many-hills", seed = "trial" }  # another map for each seed
 valley = { mission = "valley/mission.toml" }
 
 [planners]
@@ -34,6 +34,12 @@ What stands in the braces is for the trial that the study names. The one that is
 |---|---|
 | `mission` | a mission file, relative to the study's folder |
 | `scenario` | a name that `sooner scenario` lists; with `seed` another search of its kind, with `size` another size |
+
+`seed = "trial"` draws the scenario from the trial's seed: every seed is another search, the same for all planners.
+What the study says then holds for searches of that kind, not for one of them; and comparing planners seed by seed pays,
+because both meet the same search. On a mission, or a scenario with a seed of its own, the trial's seed drives the
+planner's random numbers alone: two planners share nothing by it, and a planner without random numbers gives the same
+plan under every seed.
 
 A budget is the steps of every searcher, in place of those of the mission or scenario.
 
@@ -68,7 +74,8 @@ def fly(trial, place):
 ```
 
 It must be a pure function of the two: the same trial gives the same answer in any process, on any machine, in any
-order. What depends on the machine stands under `timing`."""
+order. What depends on the machine stands under `timing`. Names of what a trial is, as `seed` and `planner`, are taken:
+an answer of such a name stands in `trials.csv` as `answer.seed`."""
 
 
 def reference_page() -> str:
@@ -90,7 +97,9 @@ def reference_page() -> str:
         f"## `[limits]`\n\n{about(OfTrial)}\n\n{keys_table(OfTrial, words)}",
         f"## `[[tables]]`\n\n{about(Table)}\n\n{keys_table(Table, words)}",
         "`sooner study` writes tables to `tables.md` and `tables.csv`; `summary.md` and `trials.csv` hold every "
-        "measure of everything that was flown, whether or not a table shows it.",
+        "measure of everything that was flown, whether or not a table shows it: [the files of a campaign]"
+        "(campaign_files.md). Where several cases share a cell, its interval is by a bootstrap over seeds that keeps "
+        "the trials of a seed together.",
         _OWN,
         f"## `[[rules]]`\n\nFor studies of papers, which `sooner reproduce` flies. {about(Rule)}\n\n"
         f"{keys_table(Rule, words)}",

@@ -362,7 +362,8 @@ def _together(rows: Sequence[SummaryRow], overall: Sequence[OverallRow], marks: 
     instances = {budget: len(_by(some, lambda row: row.instance)) for budget, some in _by(rows, _budget).items()}
     for budget, some in _by(overall, _budget).items():
         heading = spot_name(f"All {instances[budget]} instances", budget)
-        yield f"{marks} {heading}" + (f"\n\n{_ABOUT_OVERALL}" if budget == overall[0].budget else "")
+        explained = marks == "##" and budget == overall[0].budget
+        yield f"{marks} {heading}" + (f"\n\n{_ABOUT_OVERALL}" if explained else "")
         shown = [name for name in planners if any(row.planner == name for row in some)]
         lines = []
         for measure, here in _by((row for row in some if not row.against), lambda row: row.measure).items():

@@ -168,8 +168,8 @@ def study(
 ) -> Work:
     """Compare planners over many seeds: every trial is kept, and the same command goes on where it was stopped.
 
-    Writes trials.sqlite (the ledger), summary.md with summary.png, summary.csv, paired.csv and trials.csv to --out
-    (left out: a folder STUDY-results beside the study file); tables.md and tables.csv where the study has tables.
+    Writes trials.sqlite (the ledger), summary.md with summary.png, summary.csv, paired.csv, overall.csv and trials.csv
+    to --out (left out: a folder STUDY-results beside the study file); tables.md and tables.csv where it has tables.
     """
     return partial(
         _campaign, "study", file, (data, trials, workers, out, scheduler, earlier, retry, json, quiet, force)
