@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -302,8 +302,8 @@ def across(parts: Sequence[BySeed], yes_no: bool = False, resamples: int = RESAM
         return Estimate(value, value - half, value + half, seeds)
     sums, held = np.nan_to_num(table - means), there.astype(np.float64)
     with np.errstate(invalid="ignore"):  # a resample may lack all seeds of a place: it says nothing
-        drawn = [((often @ sums) / (often @ held)).mean(axis=1) for often in _how_often(seeds, resamples)]
-    ends = np.concatenate(drawn)
+        often = _how_often(seeds, resamples)
+        ends = ((often @ sums) / (often @ held)).mean(axis=1)
     low, high = _between(ends[~np.isnan(ends)], seeds)
     return Estimate(value, value + low, value + high, seeds)
 
@@ -334,14 +334,14 @@ def _resampled_seeds(table: Floats, resamples: int) -> Iterator[Floats]:
         yield table[rng.integers(0, seeds, (some, seeds))].reshape(some, seeds * places)
 
 
-def _how_often(seeds: int, resamples: int) -> Iterator[Floats]:
-    """(rows, seeds): how often each seed is in each resample."""
-    rng = np.random.default_rng(0)
-    rows = max(_AT_ONCE // seeds, 1)
-    for first in range(0, resamples, rows):
-        some = min(rows, resamples - first)
-        drawn = rng.integers(0, seeds, (some, seeds)) + seeds * np.arange(some)[:, None]
-        yield np.bincount(drawn.ravel(), minlength=some * seeds).reshape(some, seeds).astype(np.float64)
+@lru_cache(maxsize=1)
+def _how_often(seeds: int, resamples: int) -> Floats:
+    """(resamples, seeds): how often each seed is in each resample; kept, as most tables have as many seeds."""
+    rng, often = np.random.default_rng(0), np.empty((resamples, seeds))
+    for row in often:
+        row[:] = np.bincount(rng.integers(0, seeds, seeds), minlength=seeds)
+    often.flags.writeable = False
+    return often
 
 
 def _pooled_medians(drawn: Floats) -> Floats:
