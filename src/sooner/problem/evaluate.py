@@ -60,6 +60,14 @@ class Evaluation:
         return float(gained @ self.times / self.total) if self.total > 0 else float("nan")
 
     @property
+    def early_share(self) -> float:
+        """Area under the curve of gains, as a share of all of it being collected at once; nan where there is none.
+
+        integral from 0 to T of value(t) / value(T) dt / T = 1 - (mean time of the gains) / T, T the longest budget.
+        """
+        return 1.0 - self.mean_time_if_found / max(searcher.budget for searcher in self.problem.searchers)
+
+    @property
     def expected_time(self) -> float:
         """Expected time until the person is found or the plan ends, whichever is first: sum of 1 - CDP."""
         gained = np.diff(self.cdp, prepend=0.0)

@@ -1,0 +1,121 @@
+"""Regions that know where there is more to learn [Kuhlman2017, sec. 8 and 9: future work]."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sooner.decomposition.boustrophedon import boustrophedon
+from sooner.decomposition.chunks import chunked
+from sooner.decomposition.regions import Regions
+from sooner.errors import InvalidProblemError
+from sooner.grid import Grid
+
+__all__ = ["gain_classes", "regions_for"]
+
+
+def regions_for(
+    grid: Grid,
+    first_look: ArrayLike,
+    base: Regions | None = None,
+    tile_m: float = 22.0,
+    most: int = 400,
+    min_m2: float = 100.0,
+) -> Regions:
+    """Regions of ground that is alike, small enough to be searched as often as each is worth.
+
+    Boustrophedon regions, cut at the borders of `gain_classes` and into tiles. Over even ground the tiles pay as well:
+    short searches fit around one another better than long ones.
+
+    Parameters
+    ----------
+    grid : Grid                square cells
+    first_look : (N,) float    what the first look at each cell pays: `Gains.first`
+    base : Regions             what is cut; None: `boustrophedon(grid)`
+    tile_m : float             metres, the side of a tile: best about two and a half times the sensing radius
+    most : int                 tiles grow where there would be more of them than this
+    min_m2 : float             least region, as `chunked`
+
+    Notes
+    -----
+    The size was tuned on environments 41 to 50 of [Kuhlman2017]'s kinds; `benchmarks/regions` holds the comparison.
+
+    Examples
+    --------
+    >>> grid = Grid((30, 60), cell_m=2.0)
+    >>> regions_for(grid, np.repeat([[0.1, 0.4]], 30, axis=0).repeat(30, axis=1), tile_m=60.0).n_regions
+    2
+    """
+    side_m = max(tile_m, float(grid.cell_m * np.sqrt(grid.passable.sum() / most)))
+    cut = boustrophedon(grid) if base is None else base
+    return chunked(grid, cut, side_m, gain_classes(grid, first_look), min_m2, side_m)
+
+
+def gain_classes(
+    grid: Grid, first_look: ArrayLike, levels: int = 3, smooth_m: float = 8.8, apart: float = 0.1
+) -> NDArray[np.int32]:
+    """Class of each cell by what there is to learn, from 0 for the least, with borders smooth enough to plow along.
+
+    Gains are grouped around at most so many means, to the least sum of squares (Lloyd 1982, IEEE Trans. Inf. Theory
+    28, 129-137), means that differ by less than `apart` of the largest gain being one; then each cell takes the
+    class that most of the free ground around it has.
+
+    Parameters
+    ----------
+    grid : Grid
+    first_look : (N,) or (H, W) float
+    levels : int               most classes
+    smooth_m : float           metres around a cell that say which class it is of
+
+    Returns
+    -------
+    (H, W) int32
+
+    Examples
+    --------
+    >>> gain_classes(Grid((1, 8)), [1, 1, 1, 9, 1, 5, 5, 5], smooth_m=2.0).tolist()
+    [[0, 0, 0, 0, 0, 1, 1, 1]]
+    """
+    gains = np.asarray(first_look, np.float64).reshape(-1)
+    if gains.size != grid.n_cells or not np.isfinite(gains).all() or (gains < 0).any():
+        raise InvalidProblemError(f"gains of {gains.size} cells came; expected {grid.n_cells}, finite and at least 0")
+    if levels < 1 or not (np.isfinite(smooth_m) and smooth_m >= 0):
+        raise InvalidProblemError(f"{levels} levels and {smooth_m} m came; expected at least 1 level and 0 m")
+    borders = _borders(gains[grid.passable], levels, apart)
+    classes = np.searchsorted(borders, gains).astype(np.int32).reshape(grid.shape)
+    return _majority(classes, grid.passable.reshape(grid.shape), len(borders) + 1, smooth_m / grid.cell_m)
+
+
+def _borders(gains: NDArray[np.float64], levels: int, apart: float) -> NDArray[np.float64]:
+    """Gains at which classes part, halfway between neighbouring means."""
+    counts, edges = np.histogram(gains, 512)
+    middles, occupied = (edges[1:] + edges[:-1]) / 2, counts > 0
+    middles, counts = middles[occupied], counts[occupied]
+    means = np.unique(np.linspace(middles[0], middles[-1], levels))
+    for _ in range(100):
+        nearest = np.abs(middles[:, None] - means).argmin(axis=1)
+        weight = np.bincount(nearest, counts, len(means))
+        held = weight > 0
+        new = np.bincount(nearest, counts * middles, len(means))[held] / weight[held]
+        close = np.flatnonzero(np.diff(new) < apart * gains.max())
+        new = np.delete(new, close[:1] + 1)
+        if len(new) == len(means) and np.allclose(new, means):
+            break
+        means = new
+    return np.asarray((means[1:] + means[:-1]) / 2)
+
+
+def _majority(classes: NDArray[np.int32], free: NDArray[np.bool_], count: int, cells: float) -> NDArray[np.int32]:
+    """What class most of the free ground in a square around each cell has, counted twice to round its corners off."""
+    from scipy.ndimage import uniform_filter
+
+    width = 2 * round(cells / 2) + 1
+    if count == 1 or width == 1:
+        return classes
+    best, most = np.zeros(classes.shape, np.int32), np.full(classes.shape, -1.0, np.float32)
+    for one in range(count):
+        share = np.where(free & (classes == one), np.float32(1.0), np.float32(0.0))
+        share = uniform_filter(uniform_filter(share, width, mode="constant"), width, mode="constant")
+        more = share > most + 1e-6
+        best[more], most[more] = one, share[more]
+    return best
