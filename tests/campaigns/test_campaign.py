@@ -52,8 +52,8 @@ class Crew:
 
     workers = 2
 
-    def __init__(self, places: int = 4, made_by: str = MADE_BY) -> None:
-        self.places, self.made_by = places, made_by
+    def __init__(self, room: int = 4, made_by: str = MADE_BY) -> None:
+        self.room, self.made_by = room, made_by
         self.flying: list[Trial] = []
         self.begun: list[Trial] = []
         self.company: list[frozenset[Trial]] = []
@@ -79,7 +79,7 @@ class Fickle(Crew):
     """Answers in any order, twice, late or not at all; fails, loses and kills; and sometimes the power goes."""
 
     def __init__(self, rng: random.Random, ledger: Mortal) -> None:
-        super().__init__(places=rng.randint(1, 5))
+        super().__init__(room=rng.randint(1, 5))
         self.rng, self.ledger = rng, ledger
         self.old: list[Outcome] = []
 
@@ -143,7 +143,7 @@ def test_trials_go_by_seeds_and_then_by_cases(ledger):
 
 
 def test_no_more_trials_are_in_the_air_than_there_are_places(ledger):
-    crew = Crew(places=3)
+    crew = Crew(room=3)
     fly(asked_for(case("a"), case("b")), ledger, crew, PLACE)
     assert max(map(len, crew.company)) == 3
 
@@ -189,7 +189,7 @@ def test_second_attempts_come_after_all_others_but_before_those_that_fly_alone(l
             first = trial.seed == 0 and self.begun.count(trial) == 1
             return super().outcome(trial, "error" if first else ending)
 
-    crew = FailsOnce(places=2)
+    crew = FailsOnce(room=2)
     progress = fly(asked_for(case("a"), case("b", alone=True), seeds=3), ledger, crew, PLACE)
     order = [(trial.case.planner, trial.seed) for trial in crew.begun]
     assert order == [("a", 0), ("a", 1), ("a", 2), ("a", 0), ("b", 0), ("b", 1), ("b", 2), ("b", 0)]
@@ -206,23 +206,94 @@ def test_a_trial_that_the_cluster_loses_is_never_to_blame(ledger):
     assert [row["attempts"] for row in ledger.rows(case("a"), range(2))] == [1, 1]
 
 
-def test_a_campaign_of_nothing_but_failures_gives_up_and_says_why(ledger):
-    class Fails(Crew):
-        def outcome(self, trial: Trial, ending: str = "done") -> Outcome:
-            return super().outcome(trial, "error")
+class Fails(Crew):
+    """Every trial of planner b fails."""
 
-    with pytest.raises(DataFormatError, match=r"the first 20 attempts all failed.*bad luck.*--retry"):
-        fly(asked_for(case("a"), seeds=100), ledger, Fails(), PLACE)
+    def outcome(self, trial: Trial, ending: str = "done") -> Outcome:
+        return super().outcome(trial, "error" if trial.case.planner == "b" else ending)
+
+
+def test_a_planner_whose_attempts_all_failed_is_left_out_and_the_others_go_on(ledger):
+    crew = Fails(room=1)
+    progress = fly(asked_for(case("b"), case("a"), case("b", alone=True), seeds=100), ledger, crew, PLACE)
+    assert Counter(trial.case.planner for trial in crew.begun) == {"a": 100, "b": 20}
+    assert (progress.done, progress.aside, progress.missing) == (100, 0, 200)
+    (note,) = progress.notes
+    assert note.startswith("b: all of its first 20 attempts failed, the rest is not flown; the last one: b on here")
+    assert note.endswith("bad luck")
+    assert [row["attempts"] for row in ledger.rows(case("b"), range(100))] == [1] * 20
+
+
+def test_a_planner_is_not_given_up_before_each_of_its_cases_had_an_attempt(ledger):
+    cases = [Case(f"place {number}", "b", None, "{}") for number in range(30)]
+    crew = Fails(room=1)
+    fly(asked_for(*cases, seeds=5), ledger, crew, PLACE)
+    assert {trial.case for trial in crew.begun} == set(cases)
+    assert len(crew.begun) == 30
+
+
+def test_a_planner_that_was_good_once_is_never_given_up(ledger):
+    fly(asked_for(case("b"), seeds=1), ledger, Crew(), PLACE)
+    progress = fly(asked_for(case("b"), seeds=50), ledger, Fails(), PLACE)
+    assert (progress.done, progress.aside, progress.notes) == (1, 49, ())
+
+
+def test_a_hopeless_planner_leaves_nothing_in_the_air(ledger):
+    fly(asked_for(case("b"), seeds=100), ledger, Fails(room=8), PLACE)
+    assert {row["state"] for row in ledger.rows(case("b"), range(100))} == {"waiting"}
+
+
+def test_millions_of_trials_begin_at_once_and_hold_little_memory(ledger):
+    import tracemalloc
+
+    class Stops(Crew):
+        def ended(self, wait_s: float) -> list[Outcome]:
+            raise PowerCutError
+
+    told = []
+    tracemalloc.start()
+    with suppress(PowerCutError):
+        fly(asked_for(*map(case, "abcdefghi"), seeds=10**8), ledger, Stops(), PLACE, told.append)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert (told[0].total, told[0].done, told[0].in_air) == (9 * 10**8, 0, 0)
+    assert most < 200e6
+
+
+def test_seeds_are_looked_up_in_parts_and_none_is_left_out(ledger, monkeypatch):
+    monkeypatch.setattr("sooner.campaigns.campaign.LOOKED_UP", 7)
+    fly(Asked(((case("a"), range(3, 9)),)), ledger, Crew(), PLACE)
+    ledger.write([], [Trial(case("b"), 2)])
+    crew = Crew()
+    fly(Asked(((case("a"), range(11)), (case("b"), range(5)))), ledger, crew, PLACE)
+    order = [(trial.seed, trial.case.planner) for trial in crew.begun]
+    assert order == [
+        (0, "a"), (0, "b"), (1, "a"), (1, "b"), (2, "a"), (3, "b"), (4, "b"), (9, "a"), (10, "a"), (2, "b")
+    ]  # fmt: skip
 
 
 def test_an_answer_by_other_code_ends_the_campaign_and_is_not_kept(ledger):
     other = json.dumps(provenance(PLACE) | {"source": "0123456789abcdef"})
-    with pytest.raises(DataFormatError, match="a worker on .* answered with other code or other maps than ours"):
+    with pytest.raises(DataFormatError, match=r"a worker on .* answered with other code or other maps than ours"):
         fly(asked_for(case("a")), ledger, Crew(made_by=other), PLACE)
     assert ledger.counts(case("a"), range(6)).done == 0
     crew = Crew()
     assert fly(asked_for(case("a")), ledger, crew, PLACE).done == 6
     assert [trial.seed for trial in crew.begun] == [0, 1, 2, 3, 4, 5]  # no lease was left behind
+
+
+def test_a_file_beside_the_study_that_changes_while_it_flies_is_named(ledger, tmp_path):
+    place = Place("work:fly", str(tmp_path))
+    (tmp_path / "work.py").write_text("A = 1\n")
+
+    class Edits(Crew):
+        def ended(self, wait_s: float) -> list[Outcome]:
+            (tmp_path / "work.py").write_text("A = 2\n")
+            self.made_by = json.dumps(provenance(place))
+            return super().ended(wait_s)
+
+    with pytest.raises(DataFormatError, match=r"work\.py changed while the campaign flew; give the same command again"):
+        fly(asked_for(case("a")), ledger, Edits(), place)
 
 
 def test_what_ended_is_kept_where_the_disk_was_full_for_a_moment(ledger, monkeypatch):
@@ -237,7 +308,7 @@ def test_what_ended_is_kept_where_the_disk_was_full_for_a_moment(ledger, monkeyp
 
     monkeypatch.setattr(Ledger, "write", full_once)
     with pytest.raises(DataFormatError):
-        fly(asked_for(case("a")), ledger, Crew(places=1), PLACE)
+        fly(asked_for(case("a")), ledger, Crew(room=1), PLACE)
     assert ledger.counts(case("a"), range(6)).done == 2
     assert [row["state"] for row in ledger.rows(case("a"), range(6))] == ["done", "done"]
 

@@ -14,6 +14,7 @@ import pytest
 
 from sooner.campaigns import Case, Outcome, Trial, read_study, run_study
 from sooner.campaigns.ledger import ASIDE, DONE, WAITING, Ledger
+from sooner.campaigns.run import recall_study
 from sooner.errors import DataFormatError
 
 CASE = Case("here", "a", None, "{}")
@@ -280,6 +281,33 @@ def test_a_ledger_put_aside_is_unharmed_and_an_empty_one_takes_its_place(tmp_pat
         path.unlink()
         made(path, 10)
     assert names == ["trials-1.sqlite", "trials-2.sqlite"]
+
+
+def test_only_trials_that_are_asked_for_are_given_another_chance(ledger):
+    other = Case("there", "b", 5, "{}")
+    trials = [Trial(CASE, 0), Trial(CASE, 1), Trial(other, 0)]
+    ledger.write([], trials)
+    ledger.write([(Outcome(each, "error", "", "bad luck", provenance="{}"), ASIDE) for each in trials], [])
+    ledger.retry([(CASE, range(1))])
+    states = [row["state"] for case in (CASE, other) for row in ledger.rows(case, range(9))]
+    assert states == ["waiting", "aside", "aside"]
+
+
+def test_who_flew_the_trials_that_are_asked_for_is_told_and_other_packages_are_noted(study, tmp_path, told):
+    folder, out = study(trials=3), tmp_path / "out"
+    with run_study(read_study(folder), out, workers=1) as ran:
+        ((_, source, data, trials),) = ran.sources()
+        assert (len(source), len(data), trials) == (16, 16, 6)
+    path = out / "trials.sqlite"
+    changed(path, """UPDATE provenance SET text = json_set(text, '$.packages.numpy', '1.0', '$.python', '2.7')""")
+    notes = []
+    with run_study(read_study(folder), out, trials=4, workers=1, watch=lambda p: notes.append(p.notes)) as ran:
+        assert sorted(each[3] for each in ran.sources()) == [8]
+    with recall_study(read_study(folder), out, trials=2) as ran:
+        assert [each[3] for each in ran.sources()] == [4]
+    ((note,),) = set(notes)
+    assert note.startswith("6 trials were flown with Python 2.7 (now 3.")
+    assert ", numpy 1.0 (now " in note
 
 
 def test_results_of_other_code_are_mixed_in_only_when_asked_for(study, tmp_path, told):

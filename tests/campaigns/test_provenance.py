@@ -1,11 +1,15 @@
 """What made a result: digests change with what decides it, and with nothing else."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
+
+import pytest
 
 from sooner.campaigns import Place
 from sooner.campaigns import provenance as module
-from sooner.campaigns.provenance import provenance, same_source
+from sooner.campaigns.provenance import provenance, same_source, sources
+from sooner.errors import DataFormatError
 
 
 def place(folder: Path) -> Place:
@@ -38,6 +42,57 @@ def test_a_module_beside_the_study_or_a_map_that_changes_makes_another_source(tm
     changed = provenance(place(folder))
     assert changed["source"] != before["source"]
     assert not same_source(before, changed)
+
+
+def test_modules_in_folders_below_the_study_count_but_not_what_lies_aside(tmp_path):
+    folder = laid_out(tmp_path / "a")
+    (folder / "deep" / "deeper").mkdir(parents=True)
+    before = provenance(place(folder))
+    for aside in (".git", "__pycache__", "mine-results", "env"):
+        (folder / aside).mkdir()
+        (folder / aside / "x.py").write_text("A = 1")
+    (folder / "env" / "pyvenv.cfg").touch()
+    assert same_source(before, provenance(place(folder)))
+    (folder / "deep" / "deeper" / "x.py").write_text("A = 1")
+    assert not same_source(before, provenance(place(folder)))
+
+
+def test_folders_that_lead_back_to_themselves_are_read_once(tmp_path):
+    folder = laid_out(tmp_path / "a")
+    (folder / "deep").mkdir()
+    (folder / "deep" / "x.py").write_text("A = 1")
+    before = provenance(place(folder))
+    (folder / "deep" / "up").symlink_to(folder)
+    assert same_source(before, provenance(place(folder)))
+
+
+def test_modules_elsewhere_that_fly_or_are_made_count_whole_and_are_not_loaded(tmp_path, monkeypatch):
+    folder = laid_out(tmp_path / "a")
+    package = tmp_path / "elsewhere" / "walks"
+    package.mkdir(parents=True)
+    for file in (package / "__init__.py", package / "deep.py", package.parent / "alone.py"):
+        file.write_text("raise SystemExit\n")
+    monkeypatch.syspath_prepend(package.parent)
+    known = replace(place(folder), modules=("walks.deep", "alone", "sooner.planners.greedy", "no.such"))
+    assert {"walks/__init__.py", "walks/deep.py", "alone.py", "work.py"} <= sources(known).keys()
+    before = provenance(known)
+    assert not same_source(before, provenance(place(folder)))
+    (package / "deep.py").write_text("raise SystemExit  # changed\n")
+    assert not same_source(before, provenance(known))
+
+
+def test_a_study_among_too_many_files_is_refused(tmp_path, monkeypatch):
+    folder = laid_out(tmp_path / "a")
+    monkeypatch.setattr(module, "MOST_FILES", 3)
+    with pytest.raises(DataFormatError, match=r"Python files; at most 3 are read; expected the study in a folder of"):
+        provenance(place(folder))
+    monkeypatch.setattr(module, "MOST_FILES", 5000)
+    monkeypatch.setattr(module, "MOST_BYTES", 100)
+    with pytest.raises(DataFormatError, match="its Python files hold more than 0 MB"):
+        provenance(place(folder))
+    monkeypatch.setattr(module, "MOST_ENTRIES", 1)
+    with pytest.raises(DataFormatError, match="more than 1 files lie below it"):
+        provenance(place(folder))
 
 
 def test_a_study_without_maps_or_modules_has_a_source(tmp_path):

@@ -2,8 +2,11 @@
 
 import json
 import os
+import signal
+import subprocess
 import sys
 import threading
+import time
 
 import psutil
 import pytest
@@ -11,6 +14,7 @@ import pytest
 from sooner.campaigns import Case, Limits, Outcome, Place, Trial, read_study, run_study
 from sooner.campaigns import pool as pool_module
 from sooner.campaigns.slot import Slot
+from sooner.campaigns.trial import in_short
 from sooner.errors import DataFormatError
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no signals to die of")
@@ -92,8 +96,134 @@ def test_what_is_no_object_is_no_answer(study):
 def test_a_function_that_is_not_there_is_named(study):
     slot = Slot(Place("nowhere:fly", str(study())), SOUND)
     outcome = slot.run(trial("none"))
-    assert outcome.ending == "crash"
-    assert "No module named 'nowhere'" in outcome.reason
+    assert outcome.ending == "error"
+    assert in_short(outcome.reason) == "ModuleNotFoundError: No module named 'nowhere'"
+
+
+@pytest.mark.parametrize(
+    ("answer", "reason"),
+    [
+        ("{'value': 10**400}", "ValueError: the answer['value'] is a whole number above 1.8e308; expected one below"),
+        ("{'a': {'b': [0, '\\ud800']}}", "TypeError: the answer['a']['b'][1] is text with half a character; expected"),
+        ("{'a': {1: 2}}", "TypeError: the answer['a'] has the key 1; expected text as keys"),
+        ("{'\\ud800': 2}", "TypeError: the answer has the key '\\ud800'; expected text as keys"),
+        ("{'a': {1, 2}}", "TypeError: the answer['a'] is set; expected numbers, text, lists or objects"),
+    ],
+)
+def test_an_answer_that_no_report_can_hold_is_the_error_of_its_trial(answer, reason, study):
+    folder = study()
+    (folder / "says.py").write_text(f"def fly(trial, place):\n    return {answer}\n")
+    slot = Slot(Place("says:fly", str(folder)), SOUND)
+    outcome = slot.run(trial("none"))
+    assert outcome.ending == "error"
+    assert in_short(outcome.reason).startswith(reason)
+    slot.drop()
+
+
+def test_arrays_and_their_numbers_are_answers(study):
+    folder = study()
+    (folder / "says.py").write_text(
+        "import numpy as np\ndef fly(trial, place):\n"
+        "    return {'a': np.arange(3), 'b': (np.int64(7), np.bool_(True), np.float64(0.5)), 'c': [np.float32(0.25)]}\n"
+    )
+    slot = Slot(Place("says:fly", str(folder)), SOUND)
+    assert slot.run(trial("none")).measures == {"a": [0, 1, 2], "b": [7, True, 0.5], "c": [0.25]}
+    slot.drop()
+
+
+def test_the_words_of_an_exception_are_text_and_told_whole(flown, study):
+    folder = study()
+    (folder / "says.py").write_text(
+        "def fly(trial, place):\n    raise ValueError('no such\\n  hills:\\nthem \\ud800')\n"
+    )
+    slot = Slot(Place("says:fly", str(folder)), SOUND)
+    assert in_short(slot.run(trial("none")).reason) == "ValueError: no such hills: them ?"
+    slot.drop()
+
+
+def test_what_a_trial_says_is_of_this_trial_and_holds_no_gaps(study):
+    folder = study()
+    (folder / "says.py").write_text(
+        "import os\ndef fly(trial, place):\n    print('said in', trial.seed, flush=True)\n"
+        "    if trial.seed == 1:\n        os._exit(3)\n    return {'value': 1}\n"
+    )
+    slot = Slot(Place("says:fly", str(folder)), SOUND)
+    assert slot.run(trial("none")).ending == "done"
+    assert slot.run(trial("none", 1)).reason == "its process ended with exit status 3\nsaid in 1"
+    slot.drop()
+
+
+# Processes that trials start -----------------------------------------------------------------------------------------
+
+STARTS = """
+import os, signal, subprocess, sys, time
+from pathlib import Path
+
+def fly(trial, place):
+    eats = "b'x' * 300_000_000" if trial.planner["then"] == "eats" else "0"
+    code = f"import time; eaten = {eats}; print('up', flush=True); time.sleep(600)"
+    child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
+    child.stdout.readline()
+    (Path(place.folder) / "child").write_text(str(child.pid))
+    if trial.planner["then"] == "dies":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    time.sleep(600)
+"""
+
+
+@pytest.fixture
+def starts(study):
+    folder = study()
+    (folder / "starts.py").write_text(STARTS)
+    return folder
+
+
+def begun(then: str) -> Trial:
+    return Trial(Case("here", then, None, json.dumps({"instance": {}, "planner": {"then": then}})), 0)
+
+
+def is_gone(pid: int) -> bool:
+    """A process that nobody has waited for yet is gone as well."""
+    end = time.monotonic() + 60.0
+    while psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE:
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.01)
+    return True
+
+
+@pytest.mark.parametrize(
+    ("then", "limits", "ending"),
+    [("hangs", Limits(3.0, 2000.0), "hang"), ("eats", Limits(60.0, 250.0), "memory"), ("dies", SOUND, "crash")],
+)
+def test_what_a_trial_has_started_ends_with_it_and_its_memory_counts(then, limits, ending, starts):
+    slot = Slot(Place("starts:fly", str(starts)), limits)
+    outcome = slot.run(begun(then))
+    assert outcome.ending == ending
+    assert is_gone(int((starts / "child").read_text()))
+    if then == "eats":
+        assert outcome.memory_mb > 250
+    slot.drop()
+
+
+FLIES = """
+import json, sys
+from sooner.campaigns import Case, Limits, Place, Trial
+from sooner.campaigns.slot import Slot
+
+case = Case("here", "hangs", None, json.dumps({"instance": {}, "planner": {"then": "hangs"}}))
+Slot(Place("starts:fly", sys.argv[1]), Limits(600.0, 2000.0)).run(Trial(case, 0))
+"""
+
+
+def test_what_a_trial_has_started_ends_with_whoever_asked_for_it(starts):
+    with subprocess.Popen([sys.executable, "-c", FLIES, str(starts)], start_new_session=True) as client:
+        end = time.monotonic() + 60.0
+        while not (starts / "child").exists() or not (starts / "child").read_text():
+            assert time.monotonic() < end
+            time.sleep(0.01)
+        os.killpg(client.pid, signal.SIGKILL)
+    assert is_gone(int((starts / "child").read_text()))
 
 
 def test_a_slot_can_be_closed_from_another_thread(flown, study):
@@ -102,7 +232,7 @@ def test_a_slot_can_be_closed_from_another_thread(flown, study):
     thread = threading.Thread(target=lambda: came.append(slot.run(trial("hangs"))))
     thread.start()
     while not psutil.Process().children():
-        pass
+        time.sleep(0.01)
     slot.close()
     thread.join()
     assert came[0].ending == "killed"
@@ -152,6 +282,14 @@ def test_a_machine_that_starts_no_process_ends_the_campaign_and_says_why(study, 
     folder = study(trials=3)
     with monkeypatch.context() as broken:
         broken.setattr("sooner.campaigns.slot.tempfile.TemporaryFile", full)
+        with pytest.raises(DataFormatError, match=r"no process can be started .*No space left.*is kept"):
+            run_study(read_study(folder), tmp_path / "out", workers=1)
+    assert not (tmp_path / "out").exists()
+    with run_study(read_study(folder), tmp_path / "out", trials=1, workers=1):
+        pass
+    with monkeypatch.context() as broken:
+        broken.setattr("sooner.campaigns.slot.tempfile.TemporaryFile", full)
+        broken.setattr(pool_module.Pool, "rehearse", lambda *_: {})
         with pytest.raises(DataFormatError, match=r"no process can be started .*No space left.*is kept"):
             run_study(read_study(folder), tmp_path / "out", workers=1)
     assert told(tmp_path / "out", "SELECT 1 FROM failures") == []

@@ -12,6 +12,7 @@ from sooner.errors import DataFormatError
 
 HEAD = """
 title = "Small"
+trial = "my_trial:fly"
 trials = 3
 budgets = [40, 80]
 """
@@ -73,8 +74,8 @@ def flown(study: Study, trials: int | None = None) -> dict[tuple[str, str, objec
         (SMALL + "[limits]\nseconds = 0", "limits.seconds", "0 came", "greater than 0"),
         (SMALL + "[limits]\nmemory_mb = -1", "limits.memory_mb", "-1 came", "greater than 0"),
         (HEAD + "limits = 3" + REST, "limits", "3 came", "a table"),
-        (HEAD + 'trial = "fly"' + REST, "trial", "'fly' came", "module:function"),
-        (HEAD + 'trial = "a..b:fly"' + REST, "trial", "'a..b:fly' came", "module:function"),
+        (SMALL.replace('"my_trial:fly"', '"fly"'), "trial", "'fly' came", "module:function"),
+        (SMALL.replace('"my_trial:fly"', '"a..b:fly"'), "trial", "'a..b:fly' came", "module:function"),
         (HEAD + 'data_files = ["/etc/*"]' + REST, "data_files[0]", "'/etc/*' came", "below the folder of the data"),
         (SMALL.replace("{ width = 1 }", "1"), "planners.a", "1 came", "a table"),
         (HEAD + "[instances]\n[planners]\na = {}", "instances", "none came", "at least one"),
@@ -102,7 +103,12 @@ def test_a_fault_is_named_with_its_key_what_came_and_what_was_expected(study, te
         ('versus = "a"\nstatistic = "rate"', "statistic", "'rate' came with versus", "expected mean or median"),
         ('row = "{seed}"', "row", "'{seed}' came", "expected {instance}, {planner}, {budget} and {measure} only"),
         ('row = "{}"', "row", "'{}' came", "expected {instance}, {planner}, {budget} and {measure} only"),
-        ('column = "{planner"', "column", "'{planner' came", "expected {instance}, {planner}, {budget} and {measure} only"),
+        (
+            'column = "{planner"',
+            "column",
+            "'{planner' came",
+            "expected {instance}, {planner}, {budget} and {measure} only",
+        ),
         ('column = "{planner.width}"', "column", "'{planner.width}' came", "expected {instance}, "),
         ('column = "{budget:99999999999}"', "column", "'{budget:99999999999}' came", "expected {instance}, "),
     ],
@@ -141,6 +147,49 @@ def test_all_faults_are_told_at_once(study):
     assert [key for key, _, _ in faults(study, text)] == ["trials", "budgets[0]", "budgets[1]", "limits.time"]
     text = SMALL.replace("width = 1", "width = nan") + "[[tables]]\nname = 'T'\nrow = '{seed}'\nversus = 'c'"
     assert [key for key, _, _ in faults(study, text)] == ["planners.a.width", "tables[0].versus", "tables[0].row"]
+
+
+def test_faults_of_keys_of_names_and_of_what_cannot_be_flown_are_told_in_one_round(study):
+    text = """
+    titel = "Small"
+    budgets = [0]
+    [instances]
+    hills = { scenario = "bimodal", width = 3, seed = -1 }
+    moon = { scenario = "moon" }
+    sea = 3
+    [planners]
+    a = { name = "anneal", ticks = 0 }
+    b = { name = "greedy", most_trials = 0, ticks = 0 }
+    [[tables]]
+    name = "T"
+    instances = ["sea", "sun"]
+    [[tables]]
+    nam = "U"
+    """
+    assert {key for key, _, _ in faults(study, text)} == {
+        "titel",
+        "title",
+        "instances.sea",
+        "tables[1].name",
+        "tables[1].nam",
+        "planners.b.most_trials",
+        "tables[0].instances",
+        "instances.hills.width",
+        "instances.hills.seed",
+        "instances.moon.scenario",
+        "budgets",
+        "planners.a",
+    }
+
+
+def test_a_trial_of_sooners_own_that_is_not_there_is_a_fault(study):
+    text = SMALL.replace("my_trial:fly", "sooner.experiments.flight:flee") + "[limits]\nseconds = 0"
+    assert [key for key, _, _ in faults(study, text)] == ["limits.seconds", "trial"]
+
+
+def test_modules_that_planners_are_made_from_are_known_but_for_sooners_own(study):
+    text = """{ make = "mine.walks:Walk", deep = [{ make = "other:Thing" }], near = { make = "sooner.planners:X" } }"""
+    assert study(SMALL.replace("{ width = 1 }", text)).modules == ("mine.walks", "other")
 
 
 def test_what_came_is_not_told_at_length(study):

@@ -168,12 +168,39 @@ def test_results_of_other_code_are_asked_about_kept_or_flown_again(sooner, study
     assert (out / "trials-1.sqlite").is_file()
 
 
+def test_what_was_kept_once_is_not_asked_about_again_but_newer_code_is(sooner, study, out):
+    small = ("study", study, "--workers", "1", "--trials")
+    trial = study.parent / "my_trial.py"
+    assert sooner(*small, "1").status == 0
+    trial.write_text(TRIAL + "# one", encoding="utf-8")
+    assert sooner(*small, "2", "--earlier", "keep").status == 0
+    assert sooner(*small, "3").status == 0
+    trial.write_text(TRIAL + "# two", encoding="utf-8")
+    asked = sooner(*small, "3")
+    assert asked.status == 2
+    assert "4 trials were flown by other code" in asked.err
+
+
+def test_where_the_earlier_ledger_went_is_told(sooner, study, out):
+    assert sooner("study", study, "--workers", "1", "--trials", "1").status == 0
+    (study.parent / "my_trial.py").write_text(TRIAL + "# changed", encoding="utf-8")
+    ended = sooner("study", study, "--workers", "1", "--trials", "1", "--earlier", "redo")
+    assert f"note: the earlier ledger is now {out / 'trials-1.sqlite'}" in ended.err
+
+
+def test_more_trials_than_a_study_may_have_are_refused(sooner, study, out):
+    ended = sooner("study", study, "--trials", "1000000000")
+    assert ended.status == 2
+    assert "1,000,000,000 trials came; expected at most 100,000,000 of each case" in ended.err
+    assert not out.exists()
+
+
 def test_trials_that_fail_are_set_aside_told_and_flown_again_when_asked(sooner, study, out):
     (study.parent / "broken").touch()
     ended = sooner("study", study, "--workers", "1")
-    assert ended.status == 0
+    assert ended.status == 2
     assert "set aside: b on hills, seed 0: error: RuntimeError: it broke" in ended.err
-    assert "3 trials were set aside; --retry flies them again" in ended.err
+    assert "3 of 6 trials have no answer; 3 trials were set aside; --retry flies them again" in ended.err
     assert ("b", 0, "") in flown(out)
     (study.parent / "broken").unlink()
     assert sooner("study", study, "--workers", "1", "--json").json["aside"] == 3
@@ -181,16 +208,71 @@ def test_trials_that_fail_are_set_aside_told_and_flown_again_when_asked(sooner, 
     assert ("b", 0, "2") in flown(out)
 
 
-def test_a_hopeless_study_stops_with_one_clear_message(sooner, study, out):
+def test_a_hopeless_planner_is_told_in_one_line_and_the_report_is_of_the_others(sooner, study, out):
     (study.parent / "broken").touch()
-    study.write_text(STUDY.replace("a = { width = 1 }\n", "").replace("trials = 3", "trials = 1000"), encoding="utf-8")
+    study.write_text(STUDY.replace("trials = 3", "trials = 40"), encoding="utf-8")
     ended = sooner("study", study, "--workers", "1", "--quiet")
+    assert ended.status == 2
+    note, last = ended.err.splitlines()
+    assert note.startswith(
+        "note: b: all of its first 20 attempts failed, the rest is not flown; the last one: b on hil"
+    )
+    assert note.endswith("error: RuntimeError: it broke")
+    assert last == "40 of 80 trials have no answer"
+    assert (out / "summary.md").exists()
+    (study.parent / "broken").unlink()
+    assert sooner("study", study, "--workers", "1", "--quiet", "--json").json["done"] == 80
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("my_trial:fly", "nowhere:fly", "trial: 'nowhere:fly' cannot be loaded (ModuleNotFoundError: No module named"),
+        ("my_trial:fly", "my_trial:soar", "trial: 'my_trial:soar' cannot be loaded (AttributeError: "),
+        ("my_trial:fly", "ends:fly", "trial: 'ends:fly' cannot be loaded (its process ended with exit status 3)"),
+    ],
+)
+def test_a_trial_that_cannot_be_loaded_is_told_before_anything_flies_and_nothing_is_left(
+    sooner, study, out, old, new, told
+):
+    (study.parent / "ends.py").write_text("import os\nos._exit(3)\n", encoding="utf-8")
+    study.write_text(STUDY.replace(old, new), encoding="utf-8")
+    ended = sooner("study", study, "--workers", "1")
     assert (ended.status, ended.out) == (2, "")
-    assert ended.err.count("sooner: ") == 1
-    assert "the first 20 attempts all failed; the last one: b on hills, seed" in ended.err
-    assert "RuntimeError: it broke" in ended.err
-    assert "give the same command with --retry" in ended.err
-    assert not (out / "summary.md").exists()
+    assert f"mine.toml: {told}" in ended.err
+    assert len(ended.err.splitlines()) == 1
+    assert not out.exists()
+
+
+def test_planners_of_the_users_own_that_cannot_be_made_are_told_at_once(sooner, study, out):
+    (study.parent / "mine.py").write_text("class Mine:\n    def __init__(self, width=1): pass\n", encoding="utf-8")
+    planners = ['"nowhere:Mine"', '"mine:Yours"', '"mine:Mine", height = 3', '"mine:Mine", width = 3']
+    table = "\n".join(f"{name} = {{ make = {said}, ticks = 1 }}" for name, said in zip("abcd", planners, strict=True))
+    text = f'title = "S"\n[instances]\nhills = {{ scenario = "bimodal", size = 8 }}\n[planners]\n{table}\n'
+    study.write_text(text, encoding="utf-8")
+    ended = sooner("study", study, "--workers", "1")
+    assert ended.status == 2
+    first, second, third = ended.err.splitlines()
+    assert "planners.a: it cannot be made (ModuleNotFoundError: No module named 'nowhere')" in first
+    assert "planners.b: it cannot be made (AttributeError: module 'mine' has no attribute 'Yours')" in second
+    assert "planners.c: it cannot be made (TypeError: " in third
+    assert not out.exists()
+
+
+def test_a_report_is_written_of_what_is_there_and_nothing_is_flown(sooner, study, out):
+    nothing = sooner("study", study, "--report")
+    assert nothing.status == 2
+    assert "trials.sqlite: it is not there; fly the study first" in nothing.err
+    assert sooner("study", study, "--workers", "1", "--trials", "2").status == 0
+    for file in out.glob("summary.*"):
+        file.unlink()
+    ended = sooner("study", study, "--report")
+    assert ended.status == 2
+    assert "2 of 6 trials have no answer" in ended.err
+    assert (out / "summary.md").exists()
+    assert sooner("study", study, "--report", "--trials", "2").status == 0
+    refused = sooner("study", study, "--report", "--retry")
+    assert "--report: it came with --retry or --earlier; leave them out: it flies nothing" in refused.err
 
 
 def test_ctrl_c_keeps_what_is_flown_and_the_same_command_goes_on(sooner, study, out):
@@ -207,7 +289,7 @@ def test_ctrl_c_keeps_what_is_flown_and_the_same_command_goes_on(sooner, study, 
         told, said = process.communicate()
     assert process.returncode == 130
     assert told == ""
-    assert "of 16 trials are kept; the same command goes on from there" in said
+    assert "of 16 trials are kept; the same command goes on from there, with --report it tells of those" in said
     assert "nothing was written" not in said
     kept = _done(out)
     assert 0 < kept < 16
@@ -287,6 +369,16 @@ def test_only_some_tables_are_flown_and_rows_of_others_are_kept(sooner, paper, t
     ended = sooner(*paper, "--only", "Table X")
     assert ended.status == 2
     assert "Table X came; expected some of 'Table I', 'Table II'" in ended.err
+
+
+def test_rows_of_other_code_are_mixed_with_those_of_some_tables_only_when_asked_for(sooner, paper, tmp_path):
+    assert sooner(*paper, "--only", "Table I", "--json").status == 0
+    (tmp_path / "papers" / "lin2014" / "my_trial.py").write_text(TRIAL + "# changed", encoding="utf-8")
+    asked = sooner(*paper, "--only", "Table II")
+    assert asked.status == 2
+    assert "6 trials were flown by other code" in asked.err
+    assert sooner(*paper, "--only", "Table II", "--earlier", "keep").status == 0
+    assert sooner(*paper, "--only", "Table II").status == 0
 
 
 def test_earlier_and_retry_work_for_papers_too(sooner, paper, tmp_path):

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import json
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from sooner.campaigns.ledger import ASIDE, DONE, WAITING, Ledger
-from sooner.campaigns.provenance import provenance, same_source
+from sooner.campaigns.provenance import maps, provenance, same_source, sources
 from sooner.campaigns.trial import Case, Outcome, Place, Trial, in_short
 from sooner.errors import DataFormatError, Fault
 
@@ -24,7 +24,8 @@ __all__ = ["Asked", "Crew", "Progress", "Watch", "fly"]
 
 ATTEMPTS = 2
 ATTEMPTS_IF_KILLED = 5  # by somebody else: that says little about the trial
-HOPELESS = 20  # attempts, none of which came to a good end
+HOPELESS = 20  # attempts of one planner, none of which ever came to a good end
+LOOKED_UP = 1_000_000  # trials that are looked up in the ledger at once
 TELL_S = 0.25
 
 
@@ -36,7 +37,7 @@ class Crew(Protocol):
         """Trials that fly at once; may change while the campaign runs."""
 
     @property
-    def places(self) -> int:
+    def room(self) -> int:
         """Trials to have begun at once: those that fly, and some that wait for a free worker."""
 
     def start(self, trial: Trial) -> None:
@@ -74,6 +75,8 @@ class Progress:
     rate : float                     trials that ended in a second of this run
     seconds_left : float or None     from what trials of each case have taken; None while nothing is known
     last_failure : str               what the last attempt that went wrong said, "" if none did
+    in_air : int                     trials that fly now, or wait for a free worker
+    notes : tuple of str             what the user should know, as it came up
     """
 
     total: int
@@ -82,41 +85,63 @@ class Progress:
     rate: float
     seconds_left: float | None
     last_failure: str = ""
+    in_air: int = 0
+    notes: tuple[str, ...] = ()
+
+    @property
+    def missing(self) -> int:
+        """Trials that have no answer."""
+        return self.total - self.done
 
 
 Watch = Callable[[Progress], None]
 
 
-def fly(asked: Asked, ledger: Ledger, crew: Crew, place: Place, watch: Watch = lambda progress: None) -> Progress:
+def fly(
+    asked: Asked,
+    ledger: Ledger,
+    crew: Crew,
+    place: Place,
+    watch: Watch = lambda progress: None,
+    notes: Sequence[str] = (),
+) -> Progress:
     """Fly every trial that is asked for and has no answer yet.
 
     Trials go by seeds first, then by cases: a campaign that is cut short is a smaller one, not a lopsided one. Trials
     that were in the air when an earlier campaign died come last, since one of them may be what killed it; trials that
     are flown alone come after all others, one at a time.
 
+    A planner whose first attempts all failed, so many that each of its cases had one, is hopeless: the rest of its
+    trials is not flown in this run.
+
     Raises
     ------
-    DataFormatError        the ledger cannot be written; or nothing but failures, or a worker with other code or maps
+    DataFormatError        the ledger cannot be written, or a worker has other code or other maps
     """
     ledger.recover()
-    return _Flying(asked, ledger, crew, place, watch).run()
+    return _Flying(asked, ledger, crew, place, watch, notes).run()
 
 
 class _Flying:
     """One run of a campaign."""
 
-    def __init__(self, asked: Asked, ledger: Ledger, crew: Crew, place: Place, watch: Watch) -> None:
-        self.ledger, self.crew, self.watch = ledger, crew, watch
-        self.queue = _Queue(asked, ledger)
+    def __init__(
+        self, asked: Asked, ledger: Ledger, crew: Crew, place: Place, watch: Watch, notes: Sequence[str]
+    ) -> None:
+        self.ledger, self.crew, self.watch, self.place = ledger, crew, watch, place
         self.pace = _Pace(asked, ledger)
+        self.hopes = _Hopes(asked, self.pace)
+        self.queue = _Queue(asked, ledger, self.hopes.none)
         self.in_air: set[Trial] = set()
         self.ended: list[tuple[Outcome, int]] = []
-        self.failures: list[str] = []
-        self.source = provenance(place)
+        self.last_failure = ""
+        self.notes = list(notes)
+        self.source, self.files = provenance(place), {**sources(place), **maps(place)}
         self.trusted: set[str] = set()
 
     def run(self) -> Progress:
         try:
+            self._tell(at_once=True)
             while True:
                 begun = self._begun()
                 self.ledger.write(self.ended, begun)
@@ -130,13 +155,13 @@ class _Flying:
                     self._take(outcome)
         finally:
             self._land()
-        self._tell(last=True)
+        self._tell(at_once=True)
         return self._progress()
 
     def _begun(self) -> list[Trial]:
         """Trials for the places that are free; they are in the air from now on."""
         begun: list[Trial] = []
-        while (trial := self.queue.next(self.in_air, self.crew.places)) is not None:
+        while (trial := self.queue.next(self.in_air, self.crew.room)) is not None:
             self.in_air.add(trial)
             begun.append(trial)
         return begun
@@ -152,8 +177,10 @@ class _Flying:
         if state == WAITING:
             self.queue.again(outcome.trial)
         if outcome.ending not in ("done", "lost"):
-            self.failures.append(f"{outcome.trial}: {outcome.ending}: {in_short(outcome.reason)}")
-            self._give_up_if_hopeless()
+            self.last_failure = f"{outcome.trial}: {outcome.ending}: {in_short(outcome.reason)}"
+        if self.hopes.lost(outcome):
+            came = f"{outcome.trial.case.planner}: all of its first {self.hopes.failed(outcome.trial)} attempts failed"
+            self.notes.append(f"{came}, the rest is not flown; the last one: {self.last_failure}")
 
     def _state(self, outcome: Outcome) -> int:
         if outcome.ending == "done":
@@ -169,6 +196,7 @@ class _Flying:
             return
         theirs = json.loads(text)
         if not same_source(self.source, theirs):
+            self._refuse_change()
             came = (
                 f"a worker on {theirs['machine']} answered with other code or other maps than ours "
                 f"(commit {theirs['commit'] or 'unknown'}, source {theirs['source']}, data {theirs['data'] or 'none'})"
@@ -177,11 +205,14 @@ class _Flying:
             raise DataFormatError(Fault(str(self.ledger.path), "", came, f"expected {ours} on every machine"))
         self.trusted.add(text)
 
-    def _give_up_if_hopeless(self) -> None:
-        if len(self.failures) >= HOPELESS and not self.pace.good:
-            came = f"the first {HOPELESS} attempts all failed; the last one: {self.failures[-1]}"
-            expected = "mend that, then give the same command with --retry"
-            raise DataFormatError(Fault(str(self.ledger.path), "", came, expected))
+    def _refuse_change(self) -> None:
+        """Say so where a file of ours has changed since we began."""
+        now = {**sources(self.place), **maps(self.place)}
+        names = sorted(name for name, _ in self.files.items() ^ now.items())
+        if names := list(dict.fromkeys(names)):
+            came = f"{', '.join(names[:5])}{' and others' if len(names) > 5 else ''} changed while the campaign flew"
+            expected = "give the same command again; it asks what to do with the trials that are flown"
+            raise DataFormatError(Fault(self.place.folder or str(self.ledger.path), "", came, expected))
 
     def _land(self) -> None:
         """Whatever happens, keep what has ended and give back what has not."""
@@ -191,28 +222,57 @@ class _Flying:
             self.ledger.write(self.ended, ())
             self.ledger.release(self.in_air)
 
-    def _tell(self, last: bool = False) -> None:
-        if last or time.perf_counter() - self.pace.told > TELL_S:
+    def _tell(self, at_once: bool = False) -> None:
+        if at_once or time.perf_counter() - self.pace.told > TELL_S:
             self.pace.told = time.perf_counter()
             self.watch(self._progress())
 
     def _progress(self) -> Progress:
-        return self.pace.progress(self.crew.workers, self.failures[-1] if self.failures else "")
+        progress = self.pace.progress(self.crew.workers)
+        return replace(progress, last_failure=self.last_failure, in_air=len(self.in_air), notes=tuple(self.notes))
+
+
+class _Hopes:
+    """Which planners may still come to something."""
+
+    def __init__(self, asked: Asked, pace: _Pace) -> None:
+        cases = Counter(case.planner for case, _ in asked.cases)
+        self.none: set[str] = set()
+        self._most = {planner: max(HOPELESS, count) for planner, count in cases.items()}
+        self._good = {case.planner for case, taken in pace.taken.items() if taken[1]}
+        self._failed: Counter[str] = Counter()
+
+    def lost(self, outcome: Outcome) -> bool:
+        """Whether this attempt was the one too many."""
+        planner = outcome.trial.case.planner
+        if outcome.ending == "done":
+            self._good.add(planner)
+        elif outcome.ending != "lost":
+            self._failed[planner] += 1
+        if planner in self._good or planner in self.none or self._failed[planner] < self._most[planner]:
+            return False
+        self.none.add(planner)
+        return True
+
+    def failed(self, trial: Trial) -> int:
+        """Attempts of its planner that failed in this run."""
+        return self._failed[trial.case.planner]
 
 
 class _Queue:
     """Trials that have no answer yet, in the order in which they go out."""
 
-    def __init__(self, asked: Asked, ledger: Ledger) -> None:
+    def __init__(self, asked: Asked, ledger: Ledger, hopeless: Set[str]) -> None:
+        self._hopeless = hopeless
         together = [(case, seeds) for case, seeds in asked.cases if not case.alone]
         alone = [(case, seeds) for case, seeds in asked.cases if case.alone]
-        self._first = {False: _missing(together, ledger), True: _missing(alone, ledger)}
+        self._first = {False: _missing(together, ledger, hopeless), True: _missing(alone, ledger, hopeless)}
         self._again: dict[bool, deque[Trial]] = {False: deque(), True: deque()}
         self._one = False
 
-    def next(self, in_air: Set[Trial], places: int) -> Trial | None:
-        """The next trial, if there is a place for it."""
-        if in_air and (self._one or len(in_air) >= places):
+    def next(self, in_air: Set[Trial], room: int) -> Trial | None:
+        """The next trial, if there is room for it."""
+        if in_air and (self._one or len(in_air) >= room):
             return None
         trial = self._pop(alone=False)
         if trial is None and not in_air:  # all others are done, second attempts as well
@@ -226,29 +286,36 @@ class _Queue:
 
     def _pop(self, alone: bool) -> Trial | None:
         trial = next(self._first[alone], None)
-        if trial is None and self._again[alone]:
-            trial = self._again[alone].popleft()
+        while trial is None and self._again[alone]:
+            again = self._again[alone].popleft()
+            trial = None if again.case.planner in self._hopeless else again
         return trial
 
 
-def _missing(cases: Sequence[tuple[Case, range]], ledger: Ledger) -> Iterator[Trial]:
-    """Trials without an end, by seed and then by case; those that were once interrupted come last."""
-    todo, last = [], []
-    for case, seeds in cases:
-        begun, states, interrupted = ledger.states(case)
-        mine = np.ones(len(seeds), bool)
-        asked = (begun >= seeds.start) & (begun < seeds.stop)
-        mine[begun[asked & ((states != WAITING) | (interrupted > 0))] - seeds.start] = False
-        todo.append((case, seeds, mine))
-        late = asked & (states == WAITING) & (interrupted > 0)
-        last += [(int(n), Trial(case, int(seed))) for seed, n in zip(begun[late], interrupted[late], strict=True)]
-    wanted = [np.flatnonzero(mine) + seeds.start for _, seeds, mine in todo]
-    for seed in np.unique(np.concatenate(wanted)).tolist() if wanted else ():
-        for case, seeds, mine in todo:
-            if seed in seeds and mine[seed - seeds.start]:
-                yield Trial(case, seed)
+def _missing(cases: Sequence[tuple[Case, range]], ledger: Ledger, hopeless: Set[str]) -> Iterator[Trial]:
+    """Trials without an end, by seed and then by case; those that were once interrupted come last.
+
+    They are looked up as they are needed: a study of many millions begins at once.
+    """
+    low = min((seeds.start for _, seeds in cases), default=0)
+    high = max((seeds.stop for _, seeds in cases), default=0)
+    at_once = max(LOOKED_UP // max(len(cases), 1), 1)
+    for start in range(low, high, at_once):
+        left = np.zeros((min(at_once, high - start), len(cases)), bool)
+        for column, (case, seeds) in enumerate(cases):
+            part = range(max(start, seeds.start), min(start + at_once, seeds.stop))
+            if not part or case.planner in hopeless:
+                continue
+            left[part.start - start : part.stop - start, column] = True
+            begun, states, interrupted = ledger.states(case, part)
+            left[begun[(states != WAITING) | (interrupted > 0)] - start, column] = False
+        for row, column in np.argwhere(left).tolist():
+            if cases[column][0].planner not in hopeless:
+                yield Trial(cases[column][0], start + row)
+    last = [(n, Trial(case, seed)) for case, seeds in cases for seed, n in ledger.interrupted(case, seeds)]
     for _, trial in sorted(last, key=lambda each: each[0]):
-        yield trial
+        if trial.case.planner not in hopeless:
+            yield trial
 
 
 class _Pace:
@@ -256,14 +323,14 @@ class _Pace:
 
     def __init__(self, asked: Asked, ledger: Ledger) -> None:
         self.total, self.told, self.began = len(asked), 0.0, time.perf_counter()
-        self.done = self.aside = self.good = self.this_run = 0
+        self.done = self.aside = self.this_run = 0
+        self.taken: dict[Case, list[float]] = {}  # seconds, trials
         self._left: dict[Case, int] = {}
-        self._taken: dict[Case, list[float]] = {}  # seconds, trials
         for case, seeds in asked.cases:
             counts = ledger.counts(case, seeds)
             self.done, self.aside = self.done + counts.done, self.aside + counts.aside
             self._left[case] = len(seeds) - counts.done - counts.aside
-            self._taken[case] = [counts.wall_s * counts.done, counts.done]
+            self.taken[case] = [counts.wall_s * counts.done, counts.done]
 
     def take(self, outcome: Outcome, state: int) -> None:
         """An attempt has ended."""
@@ -274,21 +341,21 @@ class _Pace:
         if state == ASIDE:
             self.aside += 1
             return
-        self.done, self.good = self.done + 1, self.good + 1
-        taken = self._taken[outcome.trial.case]
+        self.done += 1
+        taken = self.taken[outcome.trial.case]
         taken[0], taken[1] = taken[0] + outcome.wall_s, taken[1] + 1
 
-    def progress(self, workers: int, last_failure: str) -> Progress:
+    def progress(self, workers: int) -> Progress:
         """So far."""
         rate = self.this_run / max(time.perf_counter() - self.began, 1e-9)
-        return Progress(self.total, self.done, self.aside, rate, self._seconds_left(workers), last_failure)
+        return Progress(self.total, self.done, self.aside, rate, self._seconds_left(workers))
 
     def _seconds_left(self, workers: int) -> float | None:
-        seconds, trials = (sum(taken[part] for taken in self._taken.values()) for part in (0, 1))
+        seconds, trials = (sum(taken[part] for taken in self.taken.values()) for part in (0, 1))
         if not trials:
             return None
         left = {False: 0.0, True: 0.0}
         for case, number in self._left.items():
-            took, of = self._taken[case]
+            took, of = self.taken[case]
             left[case.alone] += number * (took / of if of else seconds / trials)
         return left[False] / max(workers, 1) + left[True]

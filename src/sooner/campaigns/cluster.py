@@ -69,7 +69,7 @@ class Cluster:
         return self._threads
 
     @property
-    def places(self) -> int:
+    def room(self) -> int:
         """One in each slot, and as many that wait for a free one."""
         return 2 * self.workers
 

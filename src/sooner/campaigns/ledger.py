@@ -12,6 +12,7 @@ to answer to. That, and the key (case, seed), is why no trial can count twice.
     trials      case, seed, state (leased, done, waiting to be flown again, set aside), what it took, provenance
     answers     what a trial that is done said, as JSON
     failures    every attempt that went wrong: how, why, when
+    accepted    sources and maps of earlier trials that the user has said to keep
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ CREATE TABLE cases(
     id INTEGER PRIMARY KEY, key TEXT NOT NULL UNIQUE,
     instance TEXT NOT NULL, planner TEXT NOT NULL, budget, alone INTEGER NOT NULL
 );
+CREATE TABLE accepted(source TEXT NOT NULL, data TEXT NOT NULL, PRIMARY KEY(source, data));
 CREATE TABLE provenance(id INTEGER PRIMARY KEY, text TEXT NOT NULL UNIQUE);
 CREATE TABLE trials(
     id INTEGER PRIMARY KEY,
@@ -209,14 +211,25 @@ class Ledger:
 
     # ------------------------------------------------------------ what is known
 
-    def states(self, case: Case) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-        """Seeds that were begun, their states, and how often each was interrupted."""
+    def states(self, case: Case, seeds: range) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+        """Seeds of these that were begun, their states, and how often each was interrupted."""
         with self._told():
             rows = self._base.execute(
-                "SELECT seed, state, interrupted FROM trials WHERE case_id = ?", (self._known(case),)
+                "SELECT seed, state, interrupted FROM trials WHERE case_id = ? AND seed >= ? AND seed < ?",
+                (self._known(case), seeds.start, seeds.stop),
             ).fetchall()
         table = np.array(rows, np.int64).reshape(-1, 3)
         return table[:, 0], table[:, 1], table[:, 2]
+
+    def interrupted(self, case: Case, seeds: range) -> list[tuple[int, int]]:
+        """Seeds that wait to be flown again because a campaign ended under them, and how often one did."""
+        with self._told():
+            rows: list[tuple[int, int]] = self._base.execute(
+                "SELECT seed, interrupted FROM trials WHERE case_id = ? AND seed >= ? AND seed < ? AND state = ? "
+                "AND interrupted > 0 ORDER BY seed",
+                (self._known(case), seeds.start, seeds.stop, WAITING),
+            ).fetchall()
+        return rows
 
     def counts(self, case: Case, seeds: range) -> Counts:
         """How far a case is, of the seeds that are asked for."""
@@ -262,15 +275,15 @@ class Ledger:
                 found = dict(zip(columns, row, strict=True))
                 yield found | {"state": STATES[found["state"]], "answer": json.loads(found["answer"] or "{}")}
 
-    def provenances(self, cases: Iterable[Case]) -> list[tuple[dict[str, Any], int]]:
-        """What flew the trials that are done, and how many of them."""
+    def provenances(self, cases: Iterable[Case], below: int | None = None) -> list[tuple[dict[str, Any], int]]:
+        """What flew the trials that are done, and how many of them; of all seeds or of those below a number."""
         with self._told():
             known = {id_ for case in cases if (id_ := self._known(case)) >= 0}
             texts = dict(self._base.execute("SELECT id, text FROM provenance"))
             rows = self._base.execute(  # as they lie: a quarter of the time of going by the index
-                "SELECT case_id, provenance_id, count(*) FROM trials NOT INDEXED WHERE state = ? "
+                "SELECT case_id, provenance_id, count(*) FROM trials NOT INDEXED WHERE state = ? AND seed < ? "
                 "GROUP BY case_id, provenance_id",
-                (DONE,),
+                (DONE, 2**62 if below is None else below),
             ).fetchall()
         found: dict[str, int] = {}
         for case_id, provenance_id, count in rows:
@@ -278,6 +291,11 @@ class Ledger:
                 text = texts[provenance_id]
                 found[text] = found.get(text, 0) + count
         return [(json.loads(text), count) for text, count in found.items()]
+
+    def accepted(self) -> set[tuple[str, str]]:
+        """Sources and maps of earlier trials that the user has said to keep."""
+        with self._told():
+            return set(self._base.execute("SELECT source, data FROM accepted"))
 
     def failures(self, cases: Iterable[Case]) -> list[tuple[Trial, str, str]]:
         """Trials that are set aside, how their last attempt ended, and why."""
@@ -300,10 +318,18 @@ class Ledger:
             )
             return taken.rowcount
 
-    def retry(self) -> None:
-        """Give the trials that were set aside another chance."""
+    def accept(self, pairs: Iterable[tuple[str, str]]) -> None:
+        """Remember that trials of this source and these maps are to be kept."""
         with self._told(), self._transaction():
-            self._base.execute("UPDATE trials SET state = ?, attempts = 0 WHERE state = ?", (WAITING, ASIDE))
+            self._base.executemany("INSERT OR IGNORE INTO accepted VALUES (?, ?)", pairs)
+
+    def retry(self, cases: Iterable[tuple[Case, range]]) -> None:
+        """Give those of these trials that were set aside another chance."""
+        with self._told(), self._transaction():
+            self._base.executemany(
+                "UPDATE trials SET state = ?, attempts = 0 WHERE case_id = ? AND seed >= ? AND seed < ? AND state = ?",
+                [(WAITING, self._known(case), seeds.start, seeds.stop, ASIDE) for case, seeds in cases],
+            )
 
     def write(self, ended: Sequence[tuple[Outcome, int]], leased: Sequence[Trial]) -> None:
         """Record what ended, with its new state, and what is begun: one transaction, on the disk when this returns."""

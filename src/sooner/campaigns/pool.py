@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import sys
 import threading
+from collections.abc import Mapping
 from queue import Empty, SimpleQueue
+from typing import Any
 
 from sooner.campaigns.slot import Slot
 from sooner.campaigns.trial import Limits, Outcome, Place, Trial
@@ -35,9 +37,21 @@ class Pool:
             thread.start()
 
     @property
-    def places(self) -> int:
+    def room(self) -> int:
         """One in each process, and as many that wait for a free one."""
         return 2 * self.workers
+
+    def rehearse(self, planners: Mapping[str, Any]) -> dict[str, str]:
+        """Before the first trial: what cannot be loaded or made, and why; as in `Slot`.
+
+        Raises
+        ------
+        DataFormatError       this machine starts no processes
+        """
+        try:
+            return self._slots[0].rehearse(planners)
+        except OSError as error:
+            raise _no_process(error) from None
 
     def start(self, trial: Trial) -> None:
         """Fly it as soon as a process is free."""
@@ -55,9 +69,7 @@ class Pool:
             while True:
                 outcome = self._ended.get(timeout=0.0 if found else wait_s)
                 if isinstance(outcome, OSError):
-                    came = f"no process can be started ({outcome})"
-                    expected = "mend that and give the same command again; every trial that was recorded is kept"
-                    raise DataFormatError(Fault(sys.executable, "", came, expected))
+                    raise _no_process(outcome)
                 found.append(outcome)
         except Empty:
             return found
@@ -78,6 +90,11 @@ class Pool:
             except OSError as error:
                 self._ended.put(error)
         slot.drop()
+
+
+def _no_process(error: OSError) -> DataFormatError:
+    expected = "mend that and give the same command again; every trial that was recorded is kept"
+    return DataFormatError(Fault(sys.executable, "", f"no process can be started ({error})", expected))
 
 
 def cores() -> int:

@@ -90,8 +90,7 @@ def told(trial: Trial, text: str) -> Outcome:
 def flown(text: str) -> str:
     """Fly in this thread's seat."""
     campaign, key, seed, place, limits = json.loads(text)
-    place["data_files"] = tuple(place["data_files"])
-    outcome = _flown(campaign, Trial(Case.from_key(key), seed), Place(**place), Limits(**limits))
+    outcome = _flown(campaign, Trial(Case.from_key(key), seed), Place.of(place), Limits(**limits))
     return json.dumps({name: value for name, value in vars(outcome).items() if name != "trial"})
 
 
@@ -106,7 +105,7 @@ def _flown(campaign: str, trial: Trial, place: Place, limits: Limits) -> Outcome
             seat.task, seat.since = "", time.monotonic()
     if seat.left:
         return Outcome(trial, "lost", reason="its worker was closed, or nobody waited for it")
-    if outcome.ending == "crash" and not Path(place.folder).is_dir():
+    if outcome.ending in ("crash", "error") and not Path(place.folder).is_dir():
         raise FileNotFoundError(f"the folder of the study, {place.folder}, is not there")
     return outcome
 

@@ -6,9 +6,12 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import dropwhile
 from typing import Any, Literal
 
 __all__ = ["Case", "Ending", "Limits", "Outcome", "Place", "Trial", "in_short"]
+
+LONGEST = 1000  # a reason in short
 
 Ending = Literal["done", "error", "crash", "hang", "memory", "killed", "lost"]
 
@@ -88,12 +91,20 @@ class Place:
     folder : str              of the study; modules beside the study are found there
     data : str                folder of real maps, "" where the study needs none
     data_files : tuple        patterns of the files in `data` that decide what comes out
+    modules : tuple           modules that planners are made from and that are not sooner's
     """
 
     function: str
     folder: str = ""
     data: str = ""
     data_files: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ()
+
+    @staticmethod
+    def of(said: Mapping[str, Any]) -> Place:
+        """A place that came as JSON."""
+        fields: dict[str, Any] = {key: tuple(it) if isinstance(it, list) else it for key, it in said.items()}
+        return Place(**fields)
 
 
 @dataclass(frozen=True)
@@ -143,12 +154,18 @@ class Outcome:
 
 
 def in_short(reason: str) -> str:
-    """One line of what went wrong: of a traceback the last, else the first.
+    """One line of what went wrong: of a traceback what was raised last, all of its message; else the first.
 
     >>> in_short("Traceback (most recent call last):\\n  File ...\\nValueError: no such hill\\n")
     'ValueError: no such hill'
+    >>> in_short("Traceback (most recent call last):\\n  File ...\\nValueError: no such hills:\\n  moon\\n  sun\\n")
+    'ValueError: no such hills: moon sun'
     >>> in_short("its process ended with signal SIGSEGV\\nFatal Python error: ...")
     'its process ended with signal SIGSEGV'
     """
     lines = reason.strip().splitlines() or [""]
-    return lines[-1 if lines[0].startswith("Traceback") else 0]
+    if not lines[0].startswith("Traceback"):
+        return lines[0]
+    last = max(number for number, line in enumerate(lines) if line.startswith("Traceback"))
+    said = list(dropwhile(lambda line: line.startswith(" "), lines[last + 1 :]))
+    return " ".join(line.strip() for line in said if line.strip())[:LONGEST] or lines[-1]

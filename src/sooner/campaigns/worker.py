@@ -2,6 +2,9 @@
 
     python -m sooner.campaigns.worker PLACE PARENT
 
+First it says what it is, then whether it is ready, then it answers each row. A row without a seed rehearses planners:
+the answer names those that cannot be made.
+
 A trial is a pure function of its row and of the place, so nothing else passes between the processes: no pickles, no
 state. `Slot` starts this process, watches it and ends it.
 """
@@ -13,11 +16,13 @@ import faulthandler
 import json
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
 import traceback
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -40,22 +45,52 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the campaign, which ends us
     faulthandler.enable()
     _die_with(int(sys.argv[2]))
+    guard = _guarded()  # noqa: F841
     rows: SimpleQueue[str] = SimpleQueue()
     threading.Thread(target=_read, args=(rows,), daemon=True).start()
-    place = Place(**json.loads(sys.argv[1]))
-    place = Place(place.function, place.folder, _data(place), tuple(place.data_files))
-    _tell(answers, provenance(place))  # before anything of the study's own can fail
-    if place.folder:
-        sys.path.insert(0, place.folder)
-    module, name = place.function.split(":")
-    fly: Fly = getattr(import_module(module), name)
+    place = Place.of(json.loads(sys.argv[1]))
+    place = replace(place, data=_data(place))
+    try:
+        _tell(answers, provenance(place))  # before anything of the study's own can fail
+        if place.folder:
+            sys.path.insert(0, place.folder)
+        module, name = place.function.split(":")
+        fly: Fly = getattr(import_module(module), name)
+    except Exception:
+        _tell(answers, {"unfit": _text(traceback.format_exc())})
+        return
     _tell(answers, {"ready": True})
     while True:
         try:
             key, seed = json.loads(rows.get(timeout=IDLE_S))
         except Empty:  # a campaign that was killed on another machine may leave us here
             return
-        _tell(answers, _flown(fly, Trial(Case.from_key(key), seed), place))
+        if seed is None:
+            _tell(answers, {"cannot": _rehearsed(getattr(sys.modules[module], "rehearse", None), key)})
+        else:
+            _tell(answers, _flown(fly, Trial(Case.from_key(key), seed), place))
+
+
+def _guarded() -> object:
+    """Somebody who ends what trials have started, once we are gone."""
+    if sys.platform == "win32":
+        return None
+    command = [sys.executable, "-I", "-S", str(Path(__file__).with_name("guard.py")), str(os.getpid())]
+    nothing = subprocess.DEVNULL
+    return subprocess.Popen(command, stdin=nothing, stdout=nothing, stderr=nothing)
+
+
+def _rehearsed(rehearse: Callable[[Any], None] | None, planners: Mapping[str, Any]) -> dict[str, str]:
+    """Planners that cannot be made, and why."""
+    found: dict[str, str] = {}
+    if rehearse is None:  # a trial of the user's own, which alone knows what its planners mean
+        return found
+    for name, said in planners.items():
+        try:
+            rehearse(said)
+        except Exception:
+            found[name] = _text(traceback.format_exc())
+    return found
 
 
 def _read(rows: SimpleQueue[str]) -> None:
@@ -86,11 +121,11 @@ def _flown(fly: Fly, trial: Trial, place: Place) -> dict[str, Any]:
     _forget_peak()
     wall, cpu = time.perf_counter(), time.process_time()
     try:
-        said: dict[str, Any] = {"answer": json.dumps(_object(fly(trial, place)), default=_plain)}
+        said: dict[str, Any] = {"answer": json.dumps(_plain(_object(fly(trial, place)), ""))}
     except MemoryError:
-        said = {"ending": "memory", "reason": traceback.format_exc()}
+        said = {"ending": "memory", "reason": _text(traceback.format_exc())}
     except Exception:
-        said = {"ending": "error", "reason": traceback.format_exc()}
+        said = {"ending": "error", "reason": _text(traceback.format_exc())}
     return said | {
         "wall_s": time.perf_counter() - wall,
         "cpu_s": time.process_time() - cpu,
@@ -104,11 +139,32 @@ def _object(answer: Any) -> Mapping[str, Any]:
     return dict(answer)
 
 
-def _plain(value: Any) -> Any:
-    """Arrays and their numbers, as JSON has them."""
+def _plain(value: Any, key: str) -> Any:
+    """What JSON can hold and whoever reads the ledger can use: arrays as lists; refuses what cannot be."""
+    if value is None or isinstance(value, (bool, float)):
+        return value
+    if isinstance(value, int) and abs(value) <= sys.float_info.max:
+        return value
+    if isinstance(value, str) and value == _text(value):
+        return value
+    if isinstance(value, Mapping):
+        for name in value:
+            if not isinstance(name, str) or name != _text(name):
+                raise TypeError(f"the answer{key} has the key {name!a}; expected text as keys")
+        return {name: _plain(each, f"[{name!r}]" if not key else f"{key}[{name!r}]") for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(each, f"{key}[{number}]") for number, each in enumerate(value)]
     if hasattr(value, "tolist"):
-        return value.tolist()
-    raise TypeError(f"{type(value).__name__} came; expected numbers, text, lists or objects with text as keys")
+        return _plain(value.tolist(), key)
+    if isinstance(value, int):
+        raise ValueError(f"the answer{key} is a whole number above 1.8e308; expected one below")
+    came = "text with half a character" if isinstance(value, str) else type(value).__name__
+    raise TypeError(f"the answer{key} is {came}; expected numbers, text, lists or objects with text as keys")
+
+
+def _text(said: str) -> str:
+    """As UTF-8 can hold it."""
+    return said.encode("utf-8", "replace").decode("utf-8")
 
 
 def _tell(answers: TextIO, said: Mapping[str, Any]) -> None:

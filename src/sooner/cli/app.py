@@ -150,6 +150,7 @@ Earlier = Annotated[
     ),
 ]
 Retry = Annotated[bool, typer.Option("--retry", help="Fly trials again that were set aside.")]
+Report = Annotated[bool, typer.Option("--report", help="Fly nothing; write the report of what the ledger has.")]
 
 
 @app.command()
@@ -162,6 +163,7 @@ def study(
     scheduler: Scheduler = None,
     earlier: Earlier = "ask",
     retry: Retry = False,
+    report: Report = False,
     json: Json = False,
     quiet: Quiet = False,
     force: Force = False,
@@ -170,10 +172,10 @@ def study(
 
     Writes trials.sqlite (the ledger), summary.md with summary.png, summary.csv, paired.csv, overall.csv and trials.csv
     to --out (left out: a folder STUDY-results beside the study file); tables.md and tables.csv where it has tables.
+    Ends with status 0 where every trial has its answer, with 2 where some have none.
     """
-    return partial(
-        _campaign, "study", file, (data, trials, workers, out, scheduler, earlier, retry, json, quiet, force)
-    )
+    wishes = (data, trials, workers, out, scheduler, earlier, retry, report, json, quiet, force)
+    return partial(_campaign, "study", file, wishes)
 
 
 @app.command()
@@ -187,6 +189,7 @@ def reproduce(
     scheduler: Scheduler = None,
     earlier: Earlier = "ask",
     retry: Retry = False,
+    report: Report = False,
     json: Json = False,
     quiet: Quiet = False,
     force: Force = False,
@@ -194,8 +197,9 @@ def reproduce(
     """Run a paper's study again and set its tables beside the printed ones.
 
     What an earlier run has flown is not flown again: a run that was stopped goes on with the same command.
+    Ends with status 0 where every trial has its answer, with 2 where some have none.
     """
-    wishes = (data, trials, workers, out, scheduler, earlier, retry, json, quiet, force)
+    wishes = (data, trials, workers, out, scheduler, earlier, retry, report, json, quiet, force)
     return partial(_campaign, "reproduce", paper, wishes, only or [])
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from sooner.cli.exits import DONE, say
+from sooner.cli.exits import BAD_INPUT, DONE, say
 from sooner.errors import DataFormatError, Fault
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ class Wishes:
     scheduler: str | None
     earlier: str
     retry: bool
+    report: bool
     json: bool
     quiet: bool
     force: bool
@@ -43,6 +44,9 @@ class Wishes:
         """How to treat earlier results; refuses a folder of maps that is not there."""
         if self.data is not None and not self.data.is_dir():
             raise DataFormatError(Fault("--data", "", f"{str(self.data)!r} came", "expected a folder that exists"))
+        if self.report and (self.retry or self.earlier != "ask"):
+            came, expected = "it came with --retry or --earlier", "leave them out: it flies nothing"
+            raise DataFormatError(Fault("--report", "", came, expected))
         if self.scheduler is not None and self.workers is not None:
             raise DataFormatError(
                 Fault("--workers", "", f"{self.workers} came with --scheduler", "the cluster has its own; leave it out")
@@ -57,7 +61,7 @@ def study(file: Path, wishes: Wishes) -> int:
     """Fly a study of the user's own."""
     earlier = wishes.checked()
     from sooner.campaigns.report import REPORT, write_report
-    from sooner.campaigns.run import run_study
+    from sooner.campaigns.run import recall_study, run_study
     from sooner.campaigns.study import read_study
     from sooner.experiments.tables import tables_files
     from sooner.io.writing import Folder
@@ -68,7 +72,9 @@ def study(file: Path, wishes: Wishes) -> int:
     out.check(*REPORT, *(("tables.md", "tables.csv") if read.file.tables else ()))
     with (
         Watch(wishes.quiet) as watch,
-        run_study(
+        recall_study(read, out.path, wishes.trials)
+        if wishes.report
+        else run_study(
             read,
             out.path,
             wishes.data,
@@ -107,8 +113,9 @@ def reproduce(paper: str, only: list[str], wishes: Wishes) -> int:
             wishes.retry,
             wishes.force,
             watch.tell,
+            wishes.report,
         )
-    return _ended(wishes, found.progress, found.files, found.aside, ())
+    return _ended(wishes, found.progress, found.files, found.aside, found.notes)
 
 
 def _ended(wishes: Wishes, progress: Progress, files: Any, aside: Any, notes: Any) -> int:
@@ -117,17 +124,19 @@ def _ended(wishes: Wishes, progress: Progress, files: Any, aside: Any, notes: An
 
     for trial, ending, reason in aside[:10]:
         say(f"set aside: {trial}: {ending}: {in_short(reason)}")
-    if aside:
-        say(f"{len(aside)} trials were set aside; --retry flies them again")
     for note in notes:
         say(f"note: {note}")
     if wishes.json:
         told = {"trials": progress.total, "done": progress.done, "aside": progress.aside}
         print(json.dumps({**told, "files": [str(file) for file in files]}))
+    else:
+        for file in files:
+            print(f"written  {file}")
+    if not progress.missing:
         return DONE
-    for file in files:
-        print(f"written  {file}")
-    return DONE
+    retry = f"; {progress.aside:,} trials were set aside; --retry flies them again" if progress.aside else ""
+    say(f"{progress.missing:,} of {progress.total:,} trials have no answer{retry}")
+    return BAD_INPUT
 
 
 class Watch:
@@ -138,6 +147,7 @@ class Watch:
         self._live: Any = None
         self._told = self._began = time.perf_counter()
         self._last: Progress | None = None
+        self._noted = 0
 
     def __enter__(self) -> Watch:
         if not self.quiet and sys.stderr.isatty():
@@ -151,6 +161,9 @@ class Watch:
     def tell(self, progress: Progress) -> None:
         """Show the progress, not more often than anyone can read."""
         first, self._last = self._last is None, progress
+        for note in progress.notes[self._noted :]:
+            self._note(note)
+        self._noted = len(progress.notes)
         if self.quiet:
             return
         if first and progress.done:
@@ -158,10 +171,16 @@ class Watch:
         if self._live is not None:
             from rich.text import Text
 
-            self._live.update(Text(_line(progress)))
+            self._live.update(Text(_line(progress), no_wrap=True, overflow="ellipsis"))
         elif first or time.perf_counter() - self._told > PLAIN_S or progress.done + progress.aside == progress.total:
             self._told = time.perf_counter()
             say(_line(progress))
+
+    def _note(self, note: str) -> None:
+        if self._live is not None:
+            self._live.console.print(f"note: {note}", markup=False, highlight=False)
+        else:
+            say(f"note: {note}")
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -170,7 +189,8 @@ class Watch:
             self._live.stop()
         if isinstance(error, KeyboardInterrupt):
             kept = f"{self._last.done:,} of {self._last.total:,} trials are kept; " if self._last is not None else ""
-            raise KeyboardInterrupt(f"interrupted; {kept}the same command goes on from there") from None
+            then = "the same command goes on from there, with --report it tells of those"
+            raise KeyboardInterrupt(f"interrupted; {kept}{then}") from None
 
 
 PLAIN_S = 10.0
@@ -182,10 +202,12 @@ def _line(progress: Progress) -> str:
         parts.append(f"{progress.aside:,} set aside")
     if progress.rate:
         parts.append(f"{progress.rate:.3g} a second" if progress.rate >= 1 else f"{60 * progress.rate:.3g} a minute")
-    if progress.seconds_left:
+    if progress.seconds_left is not None and progress.seconds_left >= 1:
         parts.append(f"{_duration(progress.seconds_left)} left")
+    elif progress.in_air:
+        parts.append(f"{progress.in_air} in the air")
     if progress.last_failure:
-        parts.append(f"last failure: {progress.last_failure[:80]}")
+        parts.append(f"last failure: {progress.last_failure}")
     return "   ".join(parts)
 
 

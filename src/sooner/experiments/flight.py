@@ -21,8 +21,9 @@ from sooner.planners.proved import Proved
 from sooner.planners.registry import make_planner
 from sooner.problem import SearchProblem, evaluate
 
-__all__ = ["check", "cpu_seconds", "drawn", "fly", "load_kernels", "made", "stopping"]
+__all__ = ["check", "cpu_seconds", "drawn", "fly", "load_kernels", "made", "rehearse", "stopping"]
 
+STUDY = "study"  # a fault of the study's own file
 STOPS = ("ticks", "seconds", "cpu_seconds")
 OF_TRIAL = "trial"  # as an instance's seed
 
@@ -92,24 +93,35 @@ def check(study: Study) -> None:
     DataFormatError      with every fault of its instances, budgets and planners
     """
     if faults := [*_faults(study)]:
-        raise DataFormatError(*faults)
+        named = str(study.path)
+        raise DataFormatError(*(replace(each, file=named) if each.file == STUDY else each for each in faults))
+
+
+def rehearse(said: Mapping[str, Any]) -> None:
+    """Make a planner from what a study says of it, as `fly` will."""
+    settings = {key: value for key, value in said.items() if key != "proved"}
+    stopping(settings)
+    made(settings)
 
 
 def _faults(study: Study) -> Iterator[Fault]:
     for name, said in study.file.instances.items():
+        key = f"instances.{name}"
         try:
-            _problem(f"instances.{name}", drawn(said, 0), str(study.folder), None)
+            _problem(key, drawn(said, 0), str(study.folder), None)
         except DataFormatError as error:
-            yield from error.faults
+            for fault in error.faults:  # those of a mission file do not say which instance it is of
+                there = f"{fault.file}: {fault.key}: " if fault.key else f"{fault.file}: "
+                yield fault if fault.file == STUDY else Fault(STUDY, key, f"{there}{fault.came}", fault.expected)
         except SoonerError as error:
-            yield Fault("study", f"instances.{name}", str(error), "expected a search that can be planned")
+            yield Fault(STUDY, key, str(error), "expected a search that can be planned")
     budgets = {*study.file.budgets, *(budget for table in study.tables for budget in table.budgets or ())}
     for budget in sorted(budgets):
         if not (isinstance(budget, int) and budget >= 1):
-            yield Fault("study", "budgets", f"{budget} came", "expected steps: whole numbers of at least 1")
+            yield Fault(STUDY, "budgets", f"{budget} came", "expected steps: whole numbers of at least 1")
     for name, said in study.file.planners.items():
-        if fault := _planner_fault({key: value for key, value in said.items() if key not in OURS}):
-            yield Fault("study", f"planners.{name}", *fault)
+        if wrong := _planner_fault({key: value for key, value in said.items() if key not in OURS}):
+            yield Fault(STUDY, f"planners.{name}", *wrong)
 
 
 def _planner_fault(said: dict[str, Any]) -> tuple[str, str] | None:
@@ -141,11 +153,12 @@ def _problem(key: str, said: Mapping[str, Any], folder: str, budget: int | float
     kinds = [kind for kind in ("mission", "scenario") if kind in said]
     expected = "expected mission = FILE or scenario = NAME"
     if len(kinds) != 1:
-        raise DataFormatError(Fault("study", key, f"{dict(said)} came", expected))
+        raise DataFormatError(Fault(STUDY, key, f"{dict(said)} came", expected))
     if kinds == ["scenario"]:
         return _scenario(key, dict(said), None if budget is None else int(budget))
     if more := [name for name in said if name != "mission"]:
-        raise DataFormatError(Fault("study", f"{key}.{more[0]}", "there is no such key", "expected mission alone"))
+        expected = "expected mission alone"
+        raise DataFormatError(*(Fault(STUDY, f"{key}.{name}", "there is no such key", expected) for name in more))
     return _with_budget(_mission(str(Path(folder) / said["mission"])), budget)
 
 
@@ -154,19 +167,18 @@ def _scenario(key: str, said: dict[str, Any], budget: int | None) -> SearchProbl
 
     name = said.pop("scenario")
     if name not in SCENARIOS:
-        raise DataFormatError(Fault("study", f"{key}.scenario", f"{name!r} came", f"expected {', '.join(SCENARIOS)}"))
-    make = SCENARIOS[name].make
+        raise DataFormatError(Fault(STUDY, f"{key}.scenario", f"{name!r} came", f"expected {', '.join(SCENARIOS)}"))
+    make, faults = SCENARIOS[name].make, []
     known = list(inspect.signature(make).parameters)
     for setting, value in said.items():
         if setting not in known:
-            raise DataFormatError(
-                Fault("study", f"{key}.{setting}", "there is no such key", f"expected {' or '.join(known)}")
-            )
-        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            expected = f"expected {' or '.join(known)}"
+            faults.append(Fault(STUDY, f"{key}.{setting}", "there is no such key", expected))
+        elif isinstance(value, bool) or not isinstance(value, int) or value < 0:
             more = f' or "{OF_TRIAL}"' if setting == "seed" else ""
-            raise DataFormatError(
-                Fault("study", f"{key}.{setting}", f"{value!r} came", f"expected a whole number{more}")
-            )
+            faults.append(Fault(STUDY, f"{key}.{setting}", f"{value!r} came", f"expected a whole number{more}"))
+    if faults:
+        raise DataFormatError(*faults)
     return make(**said).problem(budget)
 
 
@@ -195,7 +207,7 @@ def made(said: Any) -> Any:
         return said
     if "name" not in said and "make" not in said:
         expected = 'expected { name = NAME } or { make = "module:Class" }, with settings'
-        raise DataFormatError(Fault("study", "planners", f"{said} came", expected))
+        raise DataFormatError(Fault(STUDY, "planners", f"{said} came", expected))
     settings = {key: made(value) for key, value in said.items() if key not in ("name", "make")}
     if "make" in said:
         module, name = said["make"].split(":")

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from glob import escape
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from sooner.campaigns.campaign import Progress, Watch
 from sooner.campaigns.report import REPORT, write_report
-from sooner.campaigns.run import Earlier, Ran, find_data, refuse_none, run_study
+from sooner.campaigns.run import Earlier, Ran, find_data, recall_study, refuse_none, run_study
 from sooner.campaigns.study import Study, read_study
+from sooner.campaigns.trial import Case
 from sooner.experiments.compare import Comparison, compare, comparison_markdown
 from sooner.experiments.published import (
     Reproduced,
@@ -37,6 +39,7 @@ class Reproduction:
     files : tuple of Path                what was written
     progress : Progress                  trials that are done
     aside : tuple                        trials that failed for good: which, how and why
+    notes : tuple of str                 what the reader should know about it
     """
 
     rows: tuple[Reproduced, ...]
@@ -44,6 +47,7 @@ class Reproduction:
     files: tuple[Path, ...]
     progress: Progress
     aside: tuple[tuple[str, str, str], ...]
+    notes: tuple[str, ...] = ()
 
 
 def reproduce(
@@ -59,6 +63,7 @@ def reproduce(
     retry: bool = False,
     force: bool = False,
     watch: Watch = lambda progress: None,
+    recall: bool = False,
 ) -> Reproduction:
     """Fly the study of `paper`, then write `reproduced.csv`, `comparison.md`, the figures and every trial.
 
@@ -75,6 +80,7 @@ def reproduce(
     figures : bool              draw the paper's figures as well, where the tables they are made from were flown
     scheduler, earlier, retry, watch    as in `run_study`
     force : bool                replace files in `out_dir` even where sooner did not write them
+    recall : bool               fly nothing; write what the ledger has
 
     Raises
     ------
@@ -83,12 +89,20 @@ def reproduce(
     """
     refuse_none(trials, workers)
     home = study_folder(paper)
-    study = read_study(home).only(only)
+    whole = read_study(home)
+    study = whole.only(only)
     data = find_data(data_dir, study.file.data, study.file.data_files) if study.file.data else study.folder
     in_checkout = home.parent.parent.name == "benchmarks"  # there a repository keeps what was before
     out = Folder(out_dir or (home if in_checkout else Path(paper)), force or (in_checkout and out_dir is None))
     out.check("reproduced.csv", "comparison.md", *REPORT)
-    with run_study(study, out.path, data_dir, trials, workers, scheduler, earlier, retry, watch) as ran:
+    standing = _standing(whole, study, out.path)
+    with (
+        recall_study(study, out.path, trials)
+        if recall
+        else run_study(
+            study, out.path, data_dir, trials, workers, scheduler, earlier, retry, watch, _flown_for(whole, standing)
+        )
+    ) as ran:
         filled = tables(study, ran)
         rows = _merged(out.path, [*filled, *_claimed(study, ran, filled, data)])
         comparisons = compare(read_published(home), rows, study.rules)
@@ -102,7 +116,8 @@ def reproduce(
     pictures = Folder(out.path / "figures", out.force)
     pictures.write(drawn)
     files = (*report.files, *(pictures.path / name for name in drawn))
-    return Reproduction(tuple(rows), tuple(comparisons), files, ran.progress, aside)
+    notes = (*report.notes, *_elsewhere(standing, rows, {row.commit for row in filled}))
+    return Reproduction(tuple(rows), tuple(comparisons), files, ran.progress, aside, notes)
 
 
 def _hook(study: Study, name: str) -> Callable[..., Iterable[Any]]:
@@ -128,6 +143,27 @@ def _claimed(study: Study, ran: Ran, filled: Sequence[Reproduced], data: Path) -
         Reproduced(table, row, column, claimed, claimed, claimed, n, commit, processor)
         for table, row, column, claimed, n in _hook(study, "claims")(ran, study, value, data)
     ]
+
+
+def _standing(whole: Study, study: Study, folder: Path) -> list[str]:
+    """Tables whose rows an earlier run left in `folder`, and which are not flown now."""
+    if not (folder / "reproduced.csv").is_file():
+        return []
+    there = {row.table for row in read_reproduced(folder)}
+    flown = {name for table in study.tables for name in (table.name, table.times)}
+    return [table.name for table in whole.tables if {table.name, table.times} & (there - flown)]
+
+
+def _flown_for(whole: Study, tables: Sequence[str]) -> tuple[tuple[Case, range], ...]:
+    """The cases of these tables, whose results must not be of other code unless the user says so."""
+    return whole.only([escape(name) for name in tables]).asked().cases if tables else ()
+
+
+def _elsewhere(standing: Sequence[str], rows: Sequence[Reproduced], commits: set[str]) -> Iterator[str]:
+    """One line where rows that were not flown now are of another commit: they say of which."""
+    others = sorted({row.commit or "unknown" for row in rows if row.table in standing and row.commit not in commits})
+    if others:
+        yield f"rows of {', '.join(standing)} are those of an earlier run (commit {', '.join(others)})"
 
 
 def _merged(folder: Path, ran: Sequence[Reproduced]) -> list[Reproduced]:
