@@ -203,7 +203,7 @@ def test_results_of_several_sources_are_said_to_be_mixed(study, tmp_path, monkey
         write_report(ran, "One", Folder(tmp_path / "one"))
         assert "mixed" not in (tmp_path / "one" / "summary.md").read_text(encoding="utf-8")
         other = {**MADE_BY, "commit": "def", "source": "t"}
-        monkeypatch.setattr(type(ran.ledger), "provenances", lambda self, cases: [(MADE_BY, 9), (other, 6)])
+        monkeypatch.setattr(type(ran.ledger), "provenances", lambda self, *asked: [(MADE_BY, 9), (other, 6)])
         report = write_report(ran, "Two", Folder(tmp_path / "one"))
     page = (tmp_path / "one" / "summary.md").read_text(encoding="utf-8")
     assert "results of 2 sources are mixed here: 9 trials of commit abc" in page

@@ -136,9 +136,9 @@ def absent(measure: str, results: Iterable[Results]) -> str:
 def mixed(ran: Ran) -> str:
     """That results of several sources stand together, and whose they are; "" where they are of one."""
     found: dict[tuple[str, str], tuple[set[str], int]] = {}
-    for made, trials in ran.ledger.provenances(case for case, _ in ran.asked.cases):
-        commits, before = found.get(key := (str(made.get("source")), str(made.get("data"))), (set(), 0))
-        found[key] = commits | {made.get("commit") or "unknown"}, before + trials
+    for commit, source, data, trials in ran.sources():
+        commits, before = found.get((source, data), (set(), 0))
+        found[source, data] = commits | {commit or "unknown"}, before + trials
     if len(found) < 2:
         return ""
     told = ", ".join(
