@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -169,17 +170,25 @@ def _region_of(grid: Grid, regions: Regions, cell: int) -> int:
 
 
 def _footprints(grid: Grid, sweep: Sweep, flights: Sequence[Trajectory]) -> Footprints:
-    starts, cells, ahead, behind = [0], [], [], []
+    starts = [0]
+    cells: list[NDArray[np.int32]] = []
+    ahead: list[NDArray[np.float32]] = []
+    behind: list[NDArray[np.float32]] = []
     for flight in flights:
         points, flown_m = flight.polyline()
         chords_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
         seen, first_m = swept_cells(grid, points, sweep.radius_m)
         _, back_m = swept_cells(grid, points[::-1], sweep.radius_m)
         cells.append(seen.astype(np.int32))
-        ahead.append(flight.times_at(np.interp(first_m, chords_m, flown_m)))
-        behind.append(flight.duration - flight.times_at(np.interp(chords_m[-1] - back_m, chords_m, flown_m)))
+        ahead.append(flight.times_at(np.interp(first_m, chords_m, flown_m)).astype(np.float32))
+        last_s = flight.times_at(np.interp(chords_m[-1] - back_m, chords_m, flown_m))
+        behind.append((flight.duration - last_s).astype(np.float32))
         starts.append(starts[-1] + len(seen))
-    return Footprints(
-        np.array(starts), np.concatenate(cells), np.concatenate(ahead).astype(np.float32),
-        np.concatenate(behind).astype(np.float32),
-    )  # fmt: skip
+    return Footprints(np.array(starts), _poured(cells), _poured(ahead), _poured(behind))
+
+
+def _poured(parts: list[NDArray[Any]]) -> NDArray[Any]:
+    """All parts as one array; the list is emptied, as on large maps there is no room for both."""
+    whole = np.concatenate(parts)
+    parts.clear()
+    return whole
