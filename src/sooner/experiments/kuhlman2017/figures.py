@@ -325,8 +325,8 @@ def figure_10(flown: Flown) -> Figure:
     for prefix, colour, label in (("", "black", "centres in reach"), ("wide ", "#b35806", "any part in reach")):
         _over_cells(axes, flown, prefix, "DFS, 10 environments", "info", colour)
         axes.plot([], [], color=colour, label=label)
-    axes.set(xlabel="cells", ylabel="information of DFS, % of reference")
-    axes.legend(frameon=False)
+    axes.set(xlabel="cells", ylabel="information of DFS, % of reference", ylim=(94, 100))
+    axes.legend(frameon=False, loc="lower right")
     return figure
 
 
