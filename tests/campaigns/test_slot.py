@@ -161,10 +161,12 @@ from pathlib import Path
 
 def fly(trial, place):
     eats = "b'x' * 300_000_000" if trial.planner["then"] == "eats" else "0"
-    code = f"import time; eaten = {eats}; print('up', flush=True); time.sleep(600)"
-    child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
-    child.stdout.readline()
+    code = f"import time; input(); eaten = {eats}; print('up', flush=True); time.sleep(600)"
+    child = subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     (Path(place.folder) / "child").write_text(str(child.pid))
+    child.stdin.write(b"now\\n")
+    child.stdin.close()
+    child.stdout.readline()
     if trial.planner["then"] == "dies":
         os.kill(os.getpid(), signal.SIGSEGV)
     time.sleep(600)
