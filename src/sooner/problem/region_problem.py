@@ -56,7 +56,7 @@ class Sweep:
     def flight(self, path: NDArray[np.float64]) -> Trajectory:
         """The path as it is flown."""
         if self.round_turns and len(path) > 2:
-            return rounded(path, self.dynamics)
+            return rounded(path, self.dynamics, deviation_m=self.spacing_m / 4)  # a reversal must not cut off its line
         return Trajectory.through(path, self.dynamics)
 
     def search(self, grid: Grid, regions: Regions, region: int) -> NDArray[np.float64]:
