@@ -92,6 +92,14 @@ BIBLIOGRAPHY: dict[str, Work] = {
         pages="324--327",
         year="1986",
     ),
+    "Zhou2005": _work(
+        "inproceedings",
+        author="Zhou, Rong and Hansen, Eric A.",
+        title="Beam-stack search: Integrating backtracking with beam search",
+        booktitle="Proceedings of the 15th International Conference on Automated Planning and Scheduling",
+        pages="90--98",
+        year="2005",
+    ),
     "Bourgault2006": _work(
         "incollection",
         author="Bourgault, Fr{\\'e}d{\\'e}ric and Furukawa, Tomonari and Durrant-Whyte, Hugh F.",
@@ -130,6 +138,16 @@ BIBLIOGRAPHY: dict[str, Work] = {
         number="11",
         pages="2514",
         year="2017",
+    ),
+    "Huangfu2018": _work(
+        "article",
+        author="Huangfu, Qi and Hall, J. A. Julian",
+        title="Parallelizing the dual revised simplex method",
+        journal="Mathematical Programming Computation",
+        volume="10",
+        number="1",
+        pages="119--142",
+        year="2018",
     ),
     "Wolek2020": _work(
         "article",

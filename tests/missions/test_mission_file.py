@@ -10,6 +10,27 @@ STEPS = "[budget]\nsteps = 6"
 START = "start = [0, 0]"
 POC = 'poc = "poc.csv"'
 
+EVIDENCE = MISSION.replace(POC, 'evidence = "theta.csv"').replace("glimpse = 0.5", "detect = 0.85\nfalse_alarm = 0.15")
+BETA = MISSION.replace(POC, 'evidence = "theta.csv"').replace("glimpse = 0.5", 'model = "beta"')
+BETA += '[objective]\nkind = "information"\n'
+REGIONS = """
+[area]
+evidence = "theta.csv"
+cell_m = 4.0
+[sensor]
+detect = 0.85
+false_alarm = 0.15
+radius_m = 6.0
+[[searcher]]
+start = [0, 0]
+moves = "regions"
+speed_mps = 5.0
+accel_mps2 = 2.0
+[budget]
+seconds = 200
+"""
+CAMERA = "camera = { fov_deg = 90, altitude_m = 9, pixels = 1200, exposure_s = 0.001 }"
+
 BAD = {
     "not TOML": ("[area\n", "", "not TOML"),
     "unknown table": (MISSION + "[extra]\n", "extra", "expected one of name, area"),
@@ -75,12 +96,106 @@ BAD = {
     "two sensors": (spoiled("glimpse = 0.5", 'glimpse = 0.5\ndifficulty = "poc.csv"'), "sensor", "one of them"),
     "correlation above one": (spoiled("glimpse = 0.5", "correlation = 2"), "sensor.correlation", "at most 1"),
     "target above one": (MISSION + "[objective]\ndetection_target = 2\n", "objective.detection_target", "at most 1"),
-    "later: evidence": (spoiled(POC, 'evidence = "poc.csv"'), "area.evidence", "does not do yet"),
-    "later: detect": (spoiled("glimpse = 0.5", "detect = 0.5"), "sensor.detect", "does not do yet"),
+    "evidence that is no probability": (spoiled(POC, 'evidence = "poc.csv"'), "area.evidence", "numbers in [0, 1]"),
+    "evidence beside weights": (spoiled(POC, POC + '\nevidence = "theta.csv"'), "area", "poc and evidence came"),
+    "evidence with something outside": (
+        EVIDENCE.replace("cell_m", "outside = 0.1\ncell_m"),
+        "area.outside",
+        "left out",
+    ),
+    "a target over evidence": (EVIDENCE + "[objective]\ndetection_target = 0.5\n", "objective.detection_target", "poc"),
+    "false alarms without hits": (EVIDENCE.replace("detect = 0.85", ""), "sensor.detect", "nothing came"),
+    "false alarms over weights": (
+        spoiled("glimpse = 0.5", "detect = 0.9\nfalse_alarm = 0.1"),
+        "sensor.false_alarm",
+        "expected area.evidence",
+    ),
+    "no more hits than false alarms": (
+        EVIDENCE.replace("false_alarm = 0.15", "false_alarm = 0.85"),
+        "sensor.detect",
+        "0.85 came, and false_alarm = 0.85; expected more than false_alarm",
+    ),
+    "hits above one": (EVIDENCE.replace("detect = 0.85", "detect = 1.5"), "sensor.detect", "at most 1"),
+    "false alarms below zero": (EVIDENCE.replace("= 0.15", "= -0.1"), "sensor.false_alarm", "at least 0"),
+    "hits and glimpse": (EVIDENCE.replace("detect", "glimpse = 0.5\ndetect"), "sensor", "glimpse and detect came"),
+    "correlated information": (
+        MISSION.replace("glimpse = 0.5", "glimpse = 0.5\ncorrelation = 0.5") + '[objective]\nkind = "information"\n',
+        "sensor.correlation",
+        "left out",
+    ),
+    "a target in bits": (
+        MISSION + '[objective]\nkind = "information"\ndetection_target = 0.5\n',
+        "objective.detection_target",
+        'kind = "detection"',
+    ),
+    "beta of weights": (
+        MISSION.replace("glimpse = 0.5", 'model = "beta"') + '[objective]\nkind = "information"\n',
+        "sensor.model",
+        "without area.evidence",
+    ),
+    "a beta law that is certain": (BETA.replace("theta.csv", "certain.csv"), "area.evidence", "above 0 and below 1"),
+    "beta for detection": (BETA.replace('"information"', '"detection"'), "objective.kind", "a yes is no find"),
+    "beta with hits": (BETA.replace("model", "detect = 0.9\nmodel"), "sensor.detect", "expected it left out"),
+    "obstacles everywhere": (spoiled(POC, POC + '\nobstacles = "poc.csv"'), "area.obstacles", "in every cell"),
+    "regions that are not flown": (MISSION + "[regions]\n", "regions", 'searcher.moves = "regions"'),
     "later: radius": (spoiled("glimpse = 0.5", "radius_m = 8"), "sensor.radius_m", "does not do yet"),
-    "later: regions": (spoiled(START, START + '\nmoves = "regions"'), "searcher[0].moves", "does not do yet"),
     "later: acceleration": (spoiled(START, START + "\naccel_mps2 = 2"), "searcher[0].accel_mps2", "does not do yet"),
-    "later: information": (MISSION + '[objective]\nkind = "information"\n', "objective.kind", "does not do yet"),
+    "later: waypoints": (spoiled(START, START + '\nmoves = "waypoints"'), "searcher[0].moves", "does not do yet"),
+    "later: unlike moves": (
+        REGIONS.replace("[budget]", "[[searcher]]\nstart = [1, 1]\nspeed_mps = 5.0\naccel_mps2 = 2.0\n[budget]"),
+        "searcher[1].moves",
+        "'cells' beside 'regions'",
+    ),
+    "later: a fixed wing over regions": (
+        REGIONS.replace("accel", 'kind = "fixed_wing"\naccel'),
+        "searcher[0].kind",
+        "does not do yet",
+    ),
+    "later: a target over regions": (
+        REGIONS.replace('evidence = "theta.csv"', 'poc = "poc.csv"').replace("\nfalse_alarm = 0.15", "")
+        + "[objective]\ndetection_target = 0.5\n",
+        "objective.detection_target",
+        "does not do yet",
+    ),
+    "regions of hexagons": (REGIONS.replace("cell_m", 'grid = "hex"\ncell_m'), "area.grid", "square cells"),
+    "regions in steps": (REGIONS.replace("seconds = 200", "steps = 200"), "budget.steps", "expected budget.seconds"),
+    "regions without metres": (REGIONS.replace("cell_m = 4.0", ""), "area.cell_m", "nothing came"),
+    "regions without speed": (REGIONS.replace("speed_mps = 5.0", ""), "searcher[0].speed_mps", "nothing came"),
+    "regions without acceleration": (REGIONS.replace("accel_mps2 = 2.0", ""), "searcher[0].accel_mps2", "nothing came"),
+    "regions without radius": (REGIONS.replace("radius_m = 6.0", ""), "sensor.radius_m", "or a camera"),
+    "a radius below half a cell": (
+        REGIONS.replace("radius_m = 6.0", "radius_m = 1.9"),
+        "sensor.radius_m",
+        "at least half a cell, 2 m",
+    ),
+    "radius and camera": (REGIONS.replace("radius_m", f"{CAMERA}\nradius_m"), "sensor", "radius_m and camera came"),
+    "half a camera": (
+        REGIONS.replace("radius_m = 6.0", "camera = { fov_deg = 90, altitude_m = 9, pixels = 1200 }"),
+        "sensor.camera.exposure_s",
+        "nothing came",
+    ),
+    "an unknown part of a camera": (
+        REGIONS.replace("radius_m = 6.0", CAMERA.replace("pixels", "zoom = 2, pixels")),
+        "sensor.camera.zoom",
+        "expected one of fov_deg, altitude_m",
+    ),
+    "a camera that blurs standing still": (
+        REGIONS.replace("radius_m = 6.0", CAMERA.replace("0.001", "0.1")),
+        "sensor.camera",
+        "turns of the drone alone blur the picture",
+    ),
+    "lines that leave gaps": (REGIONS + "[regions]\nspacing_m = 12.5\n", "regions.spacing_m", "at most twice as much"),
+    "tiles of plain regions": (REGIONS + "[regions]\ntile_m = 9\n", "regions.tile_m", 'cut = "aware"'),
+    "no time for any search": (
+        REGIONS.replace("seconds = 200", "seconds = 2"),
+        "budget.seconds",
+        "a budget of 2 s came; the quickest action",
+    ),
+    "an end beyond the rocks": (
+        REGIONS.replace("start", "end = [0, 3]\nstart").replace("[sensor]", 'obstacles = "wall.csv"\n[sensor]'),
+        "searcher[0].end",
+        "obstacles lie all around one",
+    ),
     "later: searchers of different speeds": (
         MISSION + "[[searcher]]\nstart = [1, 1]\nspeed_mps = 6.0\n",
         "searcher[1].speed_mps",
@@ -165,7 +280,7 @@ def test_every_fault_of_a_file_and_of_its_rasters_is_reported_at_once(mission):
     [budget]
     steps = 0
     [objective]
-    kind = "information"
+    kind = "informative"
     """
     with pytest.raises(DataFormatError) as raised:
         read_mission(mission(text, layer_csv="1,2,3,4\n1,2\nx,2,3,-4\n"))

@@ -16,7 +16,13 @@ def planners(as_json: bool) -> int:
     """The list of planners, with when to choose which."""
     if as_json:
         told = [
-            {"name": name, "when": entry.when, "cites": list(entry.cites), "default": name == DEFAULT}
+            {
+                "name": name,
+                "when": entry.when,
+                "moves": list(entry.moves),
+                "cites": list(entry.cites),
+                "default": name == DEFAULT,
+            }
             for name, entry in PLANNERS.items()
         ]
         print(json.dumps({"planners": told}))

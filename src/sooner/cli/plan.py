@@ -7,9 +7,10 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
+from sooner.cli.evaluate import tell_collected, tell_left, tell_reference
 from sooner.cli.exits import DONE, INTERRUPTED, say, uninterrupted
 from sooner.cli.progress import Watch
-from sooner.cli.words import percent, steps
+from sooner.cli.words import amount, flight, percent, steps
 from sooner.errors import DataFormatError, Fault
 from sooner.io import Folder
 from sooner.missions import Mission, plan_mission, read_mission
@@ -64,20 +65,16 @@ def _reached(mission: Mission, planned: Planned, target: float) -> str:
 def _tell(mission: Mission, planned: Planned, result: dict[str, Any], folder: Folder) -> None:
     score, best = planned.score, planned.solution.best
     target = mission.problem.objective.target
-    print(f"{mission.name}: a flight of {steps(mission, max(result['steps']))}, planned by {planned.planner}")
-    print(f"  finds the person with probability   {percent(score.evaluation.total)}")
+    print(f"{mission.name}: a flight of {flight(mission, result)}, planned by {planned.planner}")
+    tell_collected(score)
     if target is not None:
         print(f"  {_reached(mission, planned, target)}")
     if result["bound"] is not None and target is None:
-        print(f"  no flight can pass                  {percent(best.bound)}   (proof: {best.bound_proof})")
+        print(f"  no flight can pass                  {amount(mission, best.bound)}   (proof: {best.bound_proof})")
         print(f"  so it is at most                    {percent(best.gap)}   short of the best there is")
     elif result["bound"] is not None and best.value > -inf:
         print(f"  no flight gets there before         {steps(mission, -best.bound)}   (proof: {best.bound_proof})")
-    if result["efficiency"] is not None:
-        print(f"  efficiency against teleporting      {percent(result['efficiency'])}")
-    print(f"  never looked at                     {percent(score.never_looked)}   of the probability")
-    print(f"  looked at, and missed               {percent(score.missed)}")
-    if mission.belief.outside:
-        print(f"  outside this map                    {percent(mission.belief.outside)}")
+    tell_reference(score)
+    tell_left(score)
     print(f"plan     {folder.path / 'plan.csv'}")
     print(f"picture  {folder.path / 'plan.png'}")

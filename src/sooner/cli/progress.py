@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 import sys
+from functools import cached_property
 from types import TracebackType
 from typing import Any
 
 from sooner.cli.exits import say
+from sooner.cli.words import amount
 from sooner.missions import Mission
+from sooner.missions.reference_plan import iterative_greedy
 from sooner.planners import Progress
 from sooner.planners.registry import DEFAULT
 from sooner.problem.incumbent import gap
@@ -70,10 +73,26 @@ class Watch:
             if math.isfinite(progress.bound):
                 parts.append(f"never before {-progress.bound:.0f}")
             return "   ".join(parts)
-        parts.append(f"found {progress.value:.4%}")
-        if self.mission.problem.drift is None:
-            parts.append(f"{progress.value / max(self.mission.problem.teleport.value, 1e-300):.2%} of teleport")
+        parts.append(f"{self._verb} {self._told_value(progress.value)}")
+        reference = self._reference
+        if reference is not None:
+            parts.append(f"{progress.value / max(reference[0], 1e-300):.2%} of {reference[1]}")
         if math.isfinite(progress.bound):
-            parts.append(f"bound {progress.bound:.4%}")
+            parts.append(f"bound {self._told_value(progress.bound)}")
             parts.append(f"gap {gap(progress.value, progress.bound):.2%}")
         return "   ".join(parts)
+
+    @property
+    def _verb(self) -> str:
+        return "learnt" if self.mission.sight.unit == "bits" else "found"
+
+    def _told_value(self, value: float) -> str:
+        """Finer than in the end, so that progress shows."""
+        return f"{value:.4%}" if self.mission.sight.unit == "probability" else amount(self.mission, value)
+
+    @cached_property
+    def _reference(self) -> tuple[float, str] | None:
+        problem = self.mission.problem
+        if self.mission.over_regions:
+            return iterative_greedy(problem), "iterative greedy"
+        return None if problem.drift is not None else (problem.teleport.value, "teleport")

@@ -2,6 +2,17 @@
 
 from sooner.io.plans import plan_csv, read_plan
 from sooner.io.rasters import MAX_CELLS, Raster, raster_csv, read_raster
+from sooner.io.region_plans import read_region_plan, region_plan_csv
 from sooner.io.writing import Folder
 
-__all__ = ["MAX_CELLS", "Folder", "Raster", "plan_csv", "raster_csv", "read_plan", "read_raster"]
+__all__ = [
+    "MAX_CELLS",
+    "Folder",
+    "Raster",
+    "plan_csv",
+    "raster_csv",
+    "read_plan",
+    "read_raster",
+    "read_region_plan",
+    "region_plan_csv",
+]

@@ -1,4 +1,4 @@
-"""Plans as CSV: `searcher,step,row,col`, and bare `row,col` lines for one searcher."""
+"""Plans over cells as CSV: `searcher,step,row,col`, and bare `row,col` lines for one searcher."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from sooner.grid import Grid
 from sooner.io.rasters import opened
 from sooner.problem import Plan
 
-__all__ = ["plan_csv", "read_plan"]
+__all__ = ["is_whole", "lines_of", "plan_csv", "raise_any", "read_plan"]
 
 HEADER = ("searcher", "step", "row", "col")
 MAX_BYTES = 1 << 30
@@ -62,17 +62,17 @@ def read_plan(path: Path, grid: Grid) -> Plan:
     if sorted(flights) != list(range(len(flights))):
         came = f"searchers {', '.join(map(str, sorted(flights)))} came"
         faults.append(Fault(str(path), "searcher", came, "expected them numbered from 0 without a gap"))
-    _raise_any(faults)
+    raise_any(faults)
     return Plan.of(*(flights[searcher] for searcher in range(len(flights))))
 
 
 def _whole_numbers(path: Path) -> list[tuple[int, tuple[int, ...]]]:
     """(line number, values) of every line below the header."""
-    lines = _lines(path)
+    lines = lines_of(path, _EXPECTED)
     names = tuple(field.strip().lower() for field in lines[0][1].split(","))
     if names in (HEADER, HEADER[2:]):
         del lines[0]
-    elif any(name and not _is_whole(name) for name in names):
+    elif any(name and not is_whole(name) for name in names):
         raise DataFormatError(Fault(str(path), f"line {lines[0][0]}", f"{lines[0][1][:60]!r} came", _EXPECTED))
     if not lines:
         raise DataFormatError(Fault(str(path), "", "a plan without steps came", _EXPECTED))
@@ -80,36 +80,39 @@ def _whole_numbers(path: Path) -> list[tuple[int, tuple[int, ...]]]:
     rows, faults = [], []
     for number, line in lines:
         fields = line.split(",")
-        if len(fields) != width or width not in (2, 4) or not all(map(_is_whole, fields)):
+        if len(fields) != width or width not in (2, 4) or not all(map(is_whole, fields)):
             expected = f"expected {width} whole numbers" if width in (2, 4) else _EXPECTED
             faults.append(Fault(str(path), f"line {number}", f"{line[:60]!r} came", expected))
             continue
         rows.append((number, tuple(int(field) for field in fields)))
-    _raise_any(faults)
+    raise_any(faults)
     return rows
 
 
-def _lines(path: Path) -> list[tuple[int, str]]:
+def lines_of(path: Path, expected: str) -> list[tuple[int, str]]:
+    """(number, text) of every line that is not blank; refuses what is no text."""
     with opened(path) as file:
         data = file.read(MAX_BYTES + 1)
     if len(data) > MAX_BYTES:
-        raise DataFormatError(Fault(str(path), "", "a file of more than 1 GB came", _EXPECTED))
+        raise DataFormatError(Fault(str(path), "", "a file of more than 1 GB came", expected))
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise DataFormatError(Fault(str(path), "", "something that is not text came", _EXPECTED)) from None
+        raise DataFormatError(Fault(str(path), "", "something that is not text came", expected)) from None
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
     if not lines:
-        raise DataFormatError(Fault(str(path), "", "an empty file came", _EXPECTED))
+        raise DataFormatError(Fault(str(path), "", "an empty file came", expected))
     return lines
 
 
-def _is_whole(field: str) -> bool:
+def is_whole(field: str) -> bool:
+    """Whether a field is a whole number that fits into 64 bits."""
     digits = field.strip().removeprefix("-")
     return digits.isascii() and digits.isdigit() and len(digits) <= 18
 
 
-def _raise_any(faults: list[Fault]) -> None:
+def raise_any(faults: list[Fault]) -> None:
+    """Raise DataFormatError with the first of the faults, and how many more there are."""
     if len(faults) > _MOST_FAULTS:
         more = len(faults) - _MOST_FAULTS
         last = Fault(faults[0].file, "", f"{more} more lines are wrong", "see the lines above")

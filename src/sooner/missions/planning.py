@@ -3,26 +3,35 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import sooner
-from sooner.errors import DataFormatError, Fault, InfeasibleProblemError, InvalidProblemError
-from sooner.io import Folder, plan_csv
+from sooner.errors import (
+    DataFormatError,
+    Fault,
+    InfeasibleProblemError,
+    InvalidProblemError,
+    UnsupportedProblemError,
+)
+from sooner.io import Folder, plan_csv, read_plan, read_region_plan, region_plan_csv
+from sooner.io.region_plans import stages
 from sooner.missions.mission_file import Mission
-from sooner.missions.score import Score, finite, objective_name, score_plan, step_of
+from sooner.missions.score import Score, finite, objective_name, score_plan
 from sooner.planners import Planner, Progress, Solution, max_seconds, solve
+from sooner.planners.by_moves import moves_of
 from sooner.planners.proved import Proved
 from sooner.planners.receding import Receding
-from sooner.planners.registry import DEFAULT, make_planner
+from sooner.planners.registry import DEFAULT, PLANNERS, make_planner
 from sooner.planners.soonest import Soonest
 from sooner.planners.team import Team
-from sooner.problem import SearchProblem
+from sooner.problem import Plan, SearchProblem
 
-__all__ = ["FILES", "Planned", "plan_mission", "wrapped"]
+__all__ = ["FILES", "Planned", "plan_file", "plan_mission", "read_plan_file", "wrapped"]
 
 FILES = ("plan.csv", "plan.json", "plan.png")
 
@@ -68,18 +77,15 @@ class Planned:
         }
 
     def _searchers(self) -> list[dict[str, Any]]:
-        grid = self.score.mission.problem.grid
+        problem, plan = self.score.mission.problem, self.score.plan
+        durations: Sequence[float | None] = self.score.durations or [None] * len(plan.actions)
         searchers = []
-        for searcher, actions in zip(self.score.mission.problem.searchers, self.score.plan.actions, strict=True):
-            rows, cols = np.divmod(actions, grid.shape[1])
-            step_s = None if self.score.mission.step_s is None else step_of(searcher)
-            searchers.append(
-                {
-                    "cells": np.column_stack([rows, cols]).tolist(),
-                    "actions": actions.tolist(),
-                    "duration_s": None if step_s is None else (len(actions) - 1) * step_s,
-                }
-            )
+        for searcher, actions, seconds in zip(problem.searchers, plan.actions, durations, strict=True):
+            if self.score.mission.over_regions:
+                cells = [list(stage.cell) for stage in stages(problem, searcher, actions)]
+            else:
+                cells = np.column_stack(np.divmod(actions, problem.grid.shape[1])).tolist()
+            searchers.append({"cells": cells, "actions": actions.tolist(), "duration_s": seconds})
         return searchers
 
     def write(self, folder: Folder) -> dict[str, Any]:
@@ -87,15 +93,33 @@ class Planned:
         from sooner.missions.picture import plan_picture
 
         result = self.result(str(folder.path / "plan.csv"))
-        grid = self.score.mission.problem.grid
         folder.write(
             {
-                "plan.csv": plan_csv(self.score.plan, grid),
+                "plan.csv": plan_file(self.score.mission, self.score.plan),
                 "plan.json": (json.dumps(result, allow_nan=False) + "\n").encode(),
                 "plan.png": plan_picture(self),
             }
         )
         return result
+
+
+def plan_file(mission: Mission, plan: Plan) -> bytes:
+    """The plan as CSV, in the columns of its moves."""
+    if mission.over_regions:
+        return region_plan_csv(plan, mission.problem)
+    return plan_csv(plan, mission.problem.grid)
+
+
+def read_plan_file(mission: Mission, path: Path) -> Plan:
+    """Read what `plan_file` wrote, or anybody else's plan for this mission.
+
+    Raises
+    ------
+    DataFormatError       with every fault of the file that does not hide others
+    """
+    if mission.over_regions:
+        return read_region_plan(path, mission.problem)
+    return read_plan(path, mission.problem.grid)
 
 
 def plan_mission(
@@ -132,7 +156,13 @@ def plan_mission(
 
 def _choose(problem: SearchProblem, name: str) -> Planner:
     """The planner of that name, wrapped for what the problem asks, with the proof beside it."""
-    return Proved(wrapped(problem, make_planner(name)))
+    planner = wrapped(problem, make_planner(name))
+    why = planner.handles(problem)
+    if why is not None:
+        kind = moves_of(problem)
+        names = ", ".join(other for other, entry in PLANNERS.items() if kind in entry.moves)
+        raise UnsupportedProblemError(f"{name} cannot plan this: {why}; for moves over {kind} there are: {names}")
+    return Proved(planner)
 
 
 def wrapped(problem: SearchProblem, planner: Planner) -> Planner:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel
 
 from sooner.io.reference import about, keys_table
-from sooner.missions.settings import Area, Budget, Place, Searching, Sensor, Settings, Wish
+from sooner.missions.settings import Area, Budget, CameraSettings, Cutting, Place, Searching, Sensor, Settings, Wish
 
 __all__ = ["reference_page"]
 
@@ -27,17 +27,40 @@ speed_mps = 12.0
 [budget]
 seconds = 1800                # or steps = 900
 ```
+
+A search over regions, of evidence:
+
+```toml
+[area]
+evidence = "theta.tif"        # P(a target is in this cell), each cell by itself; 0.5 where nothing is known
+obstacles = "rocks.tif"
+[sensor]
+detect = 0.85                 # P(a look says yes, if a target is there)
+false_alarm = 0.15            # P(a look says yes, if none is there)
+radius_m = 8.8                # or camera = { fov_deg = 90, altitude_m = 8.8, pixels = 1200, exposure_s = 0.001 }
+[[searcher]]
+start = [90, 33]
+moves = "regions"
+speed_mps = 5.0
+accel_mps2 = 2.0
+[budget]
+seconds = 1500
+[objective]
+kind = "information"          # or "detection"
+```
 """
 
 _TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[area]", Area),
     ("[sensor]", Sensor),
+    ("[sensor.camera]", CameraSettings),
     ("[[searcher]]", Searching),
     ("[budget]", Budget),
     ("[objective]", Wish),
+    ("[regions]", Cutting),
 )
 
-_WORDS = {list: "[row, col]", Place: "{lat, lon}"}
+_WORDS = {list: "[row, col]", Place: "{lat, lon}", CameraSettings: "table"}
 
 
 def reference_page() -> str:
@@ -56,11 +79,20 @@ def reference_page() -> str:
         "## Time\n\nWith `steps` time is counted in moves from cell to cell, as the papers do. With `seconds` a step "
         "takes `cell_m / speed_mps` (on `square8` the length of a diagonal counts for every step, so that no flight "
         "takes longer than it says), and the budget is the steps that fit. Flight is level and at constant speed; "
-        "turns cost no time in this version."
+        "turns cost no time in this version. Over regions seconds are those of a drone that speeds up, brakes and "
+        "turns within its limits: no flight takes longer than its plan says."
+    )
+    parts.append(
+        "## What values count\n\nOver `poc`, detection is the probability of having found the person. Over `evidence` "
+        "cells are independent and total nothing: detection is the number of targets expected to be found. Information "
+        "is what the looks are expected to teach, in bits, over either; over `poc` each cell is taken by itself, and a "
+        "yes never errs.\n\n"
+        "What other combinations mean nobody has said, and they are refused: a target CDP over "
+        "evidence or in bits, false alarms over `poc`, correlated looks but for detection over `poc`."
     )
     parts.append(
         "## Georeference\n\nA GeoTIFF must be in a projection in metres or feet, with square cells, north up. Its cell "
         "size goes before `cell_m`, which must agree where both are given; rasters of one mission must lie on the same "
-        'cells. "No data" counts as weight 0 in `poc` and as free ground in `obstacles`.'
+        'cells. "No data" counts as 0 in `poc` and `evidence` and as free ground in `obstacles`.'
     )
     return "\n\n".join(parts) + "\n"

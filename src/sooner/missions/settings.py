@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from sooner.errors import Fault
 
-__all__ = ["MAX_STEPS", "Area", "Budget", "Place", "Searching", "Sensor", "Settings", "Wish", "not_yet"]
+__all__ = [
+    "MAX_STEPS",
+    "Area",
+    "Budget",
+    "CameraSettings",
+    "Cutting",
+    "Place",
+    "Searching",
+    "Sensor",
+    "Settings",
+    "Wish",
+    "not_yet",
+]
 
 Cell = Annotated[list[Annotated[int, Field(strict=True)]], Field(min_length=2, max_length=2)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Metres = Annotated[float, Field(ge=0.001, le=1_000_000, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Speed = Annotated[float, Field(ge=0.001, le=1_000, allow_inf_nan=False)]
 
 MAX_STEPS = 200_000
@@ -34,13 +48,13 @@ class Area(_Table):
     """`[area]`: where the person may be."""
 
     poc: str | None = Field(
-        default=None, description="raster of weights, at least 0; normalised; row 0 is north (required)"
+        default=None, description="raster of weights, at least 0; normalised; row 0 is north (this or `evidence`)"
     )
     outside: float = Field(
         default=0.0, ge=0, lt=1, strict=True, description="probability that the person is not on this map"
     )
     evidence: str | None = Field(
-        default=None, description="instead of `poc`: independent probability per cell (not yet)"
+        default=None, description="instead of `poc`: raster of P(a target is in this cell), each cell by itself"
     )
     cell_m: Metres | None = Field(
         default=None, description="metres between cell centres, where the raster has no georeference"
@@ -48,12 +62,26 @@ class Area(_Table):
     obstacles: str | None = Field(default=None, description="raster; non-zero cells cannot be entered")
     grid: Literal["square4", "square8", "hex"] = Field(
         default="square4",
-        description="neighbours of a cell: 4, 8 (none past an obstacle's corner), or 6 (odd rows half a cell east)",
+        description="neighbours of a cell: 4, 8 (none past an obstacle's corner), or 6 (odd rows half a cell east); "
+        "drones that move over regions fly as with 8",
+    )
+
+
+class CameraSettings(_Table):
+    """`[sensor.camera]`: a camera that looks straight down; it sets `radius_m` and caps the speed."""
+
+    fov_deg: float | None = Field(default=None, gt=0, lt=180, description="full angle of view, degrees")
+    altitude_m: Metres | None = Field(default=None, description="above the ground; radius = altitude tan(fov / 2)")
+    pixels: Annotated[int, Field(strict=True, ge=1)] | None = Field(
+        default=None, description="along the direction of flight"
+    )
+    exposure_s: Positive | None = Field(
+        default=None, description="of one picture: no faster than it moves by a pixel meanwhile, turning at 0.5 rad/s"
     )
 
 
 class Sensor(_Table):
-    """`[sensor]`: what one look detects; left out: every look detects."""
+    """`[sensor]`: what one look detects: difficulty, glimpse, or detect; left out: every look detects."""
 
     difficulty: str | None = Field(
         default=None, description="raster of levels d, at least 0; glimpse = 1 - d / (d_max + 1)"
@@ -64,12 +92,28 @@ class Sensor(_Table):
     correlation: float = Field(
         default=0.0, ge=0, le=1, description="of two looks at one place; 0: independent, 1: a second look adds nothing"
     )
-    detect: float | None = Field(default=None, ge=0, le=1, description="an evidence-grid sensor's hit rate (not yet)")
+    detect: float | None = Field(default=None, ge=0, le=1, description="P(a look says yes, if a target is there)")
     false_alarm: float | None = Field(
-        default=None, ge=0, le=1, description="an evidence-grid sensor's false alarms (not yet)"
+        default=None,
+        ge=0,
+        le=1,
+        description="P(a look says yes, if none is there): 0, or below `detect`; over evidence",
+    )
+    model: Literal["binary", "beta"] = Field(
+        default="binary",
+        description="`beta`: targets come and go, and evidence is the mean of a Beta law of how often they are in view",
+    )
+    prior_looks: Positive = Field(
+        default=2.0, description="of model `beta`: how many looks the evidence stands for; 2 with theta 0.5: any rate"
     )
     radius_m: Positive | None = Field(
-        default=None, description="what one look covers; left out: the cell below (not yet)"
+        default=None, description="over regions: cells with centres so near to the path are looked at (or `camera`)"
+    )
+    camera: CameraSettings | None = Field(
+        default=None, description="over regions, instead of `radius_m`: a table, as below"
+    )
+    range_m: Positive | None = Field(
+        default=None, description="over regions: how far ahead obstacles are seen; no faster than stops within it"
     )
 
 
@@ -82,14 +126,17 @@ class Searching(_Table):
     end: Cell | Place | None = Field(
         default=None, description="[row, col] where it must be at the end; lat and lon: not yet"
     )
-    moves: Literal["cells", "regions", "waypoints"] = Field(default="cells", description="`cells` (others not yet)")
+    moves: Literal["cells", "regions", "waypoints"] = Field(
+        default="cells",
+        description="`cells`: a cell a step; `regions`: whole regions, with true accelerations (`waypoints`: not yet)",
+    )
     kind: Literal["copter", "fixed_wing"] = Field(
         default="copter", description="a copter may hover; a fixed wing neither hovers nor turns straight back"
     )
     speed_mps: Speed | None = Field(
-        default=None, description="metres a second, the same for all; turns steps into seconds"
+        default=None, description="metres a second, the same for all; turns steps into seconds; over regions the most"
     )
-    accel_mps2: Positive | None = Field(default=None, description="metres a second squared (not yet)")
+    accel_mps2: Speed | None = Field(default=None, description="over regions: the most, metres a second squared")
 
 
 class Budget(_Table):
@@ -98,16 +145,55 @@ class Budget(_Table):
     steps: Annotated[int, Field(strict=True, ge=1, le=MAX_STEPS)] | None = Field(
         default=None, description="moves from cell to cell, at least 1"
     )
-    seconds: Positive | None = Field(default=None, description="flying time; needs `cell_m` and `speed_mps`")
+    seconds: Positive | None = Field(
+        default=None, description="flying time; needs `cell_m` and `speed_mps`, over regions `accel_mps2` too"
+    )
 
 
 class Wish(_Table):
     """`[objective]`: what is good."""
 
     kind: Literal["detection", "information"] = Field(
-        default="detection", description="`detection` (`information`: not yet)"
+        default="detection",
+        description="`detection`: find the person (over evidence: as many targets as can be expected); "
+        "`information`: learn most, in bits",
     )
-    detection_target: float | None = Field(default=None, gt=0, le=1, description="reach this CDP as soon as possible")
+    detection_target: float | None = Field(
+        default=None, gt=0, le=1, description="over `poc` and cells: reach this CDP as soon as possible"
+    )
+
+
+class Cutting(_Table):
+    """`[regions]`: how ground is cut into regions and how each is flown; only where drones move over regions.
+
+    What is left out follows from the sensor's radius, as in [Kuhlman2017].
+    """
+
+    cut: Literal["plain", "aware"] = Field(
+        default="plain",
+        description="`plain`: by obstacles alone, as the paper; `aware`: into tiles, and where there is more to find",
+    )
+    tile_m: Positive | None = Field(
+        default=None, description="of cut `aware`: side of a tile, more where there were too many. Left out: 2.5 radius"
+    )
+    spacing_m: Positive | None = Field(
+        default=None, description="between plow lines, at most twice the radius; left out: the radius"
+    )
+    min_area_m2: NotNegative | None = Field(
+        default=None,
+        description="smaller regions are left out; their ground is seen in passing. Left out: 4.7 radius^2",
+    )
+    min_width_m: NotNegative | None = Field(default=None, description="narrower ones likewise. Left out: 0.75 radius")
+    min_obstacle_m2: NotNegative = Field(default=0.0, description="smaller obstacles do not cut regions in two")
+    overlap: float = Field(
+        default=0.8, gt=0.5, le=1, description="share of its longer border that a region must keep to go on"
+    )
+    turns: Literal["stop", "rounded"] = Field(
+        default="stop", description="at waypoints: stop, or fly an arc where that is quicker"
+    )
+    ways: Literal["taut", "pruned"] = Field(
+        default="taut", description="around obstacles: pulled tight, or as the paper prunes them"
+    )
 
 
 class Settings(_Table):
@@ -119,6 +205,12 @@ class Settings(_Table):
     searcher: list[Searching] = []
     budget: Budget = Budget()
     objective: Wish = Wish()
+    regions: Cutting | None = None
+
+    @property
+    def over_regions(self) -> bool:
+        """Whether drones move over regions; all do, or none."""
+        return any(searcher.moves == "regions" for searcher in self.searcher)
 
 
 def not_yet(settings: Settings, file: str) -> list[Fault]:
@@ -128,27 +220,40 @@ def not_yet(settings: Settings, file: str) -> list[Fault]:
     def refuse(key: str, came: str, instead: str) -> None:
         faults.append(Fault(file, key, f"{came} came, which this version does not do yet", instead))
 
-    if settings.area.evidence is not None:
-        refuse("area.evidence", "an evidence grid", "give area.poc")
-    for key in ("detect", "false_alarm", "radius_m"):
-        if getattr(settings.sensor, key) is not None:
-            what = "a footprint of several cells" if key == "radius_m" else "an evidence-grid sensor"
-            refuse(f"sensor.{key}", what, "give sensor.difficulty or sensor.glimpse; a look covers the cell below")
-    if settings.objective.kind == "information":
-        refuse("objective.kind", "'information'", "give 'detection'")
-    if len(settings.searcher) > 1 and settings.objective.detection_target is not None:
-        refuse("objective.detection_target", "a target for several searchers", "give one searcher, or no target")
-    speeds = [searcher.speed_mps for searcher in settings.searcher]
-    for number, speed in enumerate(speeds):
-        if speed != speeds[0]:
-            refuse(f"searcher[{number}].speed_mps", "another speed than searcher[0]'s", "give all the same")
+    if not settings.over_regions:
+        for key in ("radius_m", "camera", "range_m"):
+            if getattr(settings.sensor, key) is not None:
+                what = "how far the sensor reaches, over cells,"
+                refuse(f"sensor.{key}", what, 'give moves = "regions", or leave it out: a look covers the cell below')
+    if settings.objective.detection_target is not None:
+        for over in filter(
+            None, ["several searchers" * (len(settings.searcher) > 1), "regions" * settings.over_regions]
+        ):
+            refuse("objective.detection_target", f"a target over {over}", "leave it out: the most by the end")
+            break
+    speeds = [(searcher.speed_mps, searcher.accel_mps2) for searcher in settings.searcher]
+    for number, pair in enumerate(speeds):
+        for which, key in enumerate(("speed_mps", "accel_mps2")):
+            if pair[which] != speeds[0][which]:
+                refuse(f"searcher[{number}].{key}", "another one than searcher[0]'s", "give all the same")
     for number, searcher in enumerate(settings.searcher):
-        key = f"searcher[{number}]"
-        if searcher.moves != "cells":
-            refuse(f"{key}.moves", f"'{searcher.moves}'", "give 'cells'")
-        if searcher.accel_mps2 is not None:
-            refuse(f"{key}.accel_mps2", "an acceleration", "leave it out: steps take cell_m / speed_mps")
-        for name in ("start", "end"):
-            if isinstance(getattr(searcher, name), Place):
-                refuse(f"{key}.{name}", "a latitude and longitude", "give [row, col]")
+        _refuse_searcher(f"searcher[{number}]", searcher, settings.searcher[0], refuse)
     return faults
+
+
+def _refuse_searcher(key: str, searcher: Searching, first: Searching, refuse: Callable[[str, str, str], None]) -> None:
+    if searcher.moves == "waypoints":
+        refuse(f"{key}.moves", "'waypoints'", "give 'cells' or 'regions'")
+    elif searcher.moves != first.moves:
+        refuse(f"{key}.moves", f"'{searcher.moves}' beside '{first.moves}'", "give all the same")
+    if searcher.moves == "regions" and searcher.kind == "fixed_wing":
+        refuse(f"{key}.kind", "a fixed wing over regions", "give 'copter': it stops where it turns")
+    if searcher.moves == first.moves == "cells" and searcher.accel_mps2 is not None:
+        refuse(
+            f"{key}.accel_mps2",
+            "an acceleration over cells",
+            'give moves = "regions", or leave it out: steps take cell_m / speed_mps',
+        )
+    for name in ("start", "end"):
+        if isinstance(getattr(searcher, name), Place):
+            refuse(f"{key}.{name}", "a latitude and longitude", "give [row, col]")

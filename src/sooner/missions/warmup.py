@@ -8,14 +8,18 @@ from itertools import islice
 
 import numpy as np
 
+from sooner.belief import EvidenceGrid
 from sooner.bounds import bounds
+from sooner.decomposition import boustrophedon, regions_for
 from sooner.errors import SoonerError
 from sooner.grid import Grid
 from sooner.planners import max_ticks, solve
 from sooner.planners.registry import PLANNERS
 from sooner.plotting import draw_plan
-from sooner.problem import CellMoves, Plan, SearchProblem, evaluate
+from sooner.problem import CellMoves, Plan, SearchProblem, evaluate, information_gains
+from sooner.problem.region_problem import Sweep, region_problem
 from sooner.scenarios import bimodal
+from sooner.sensors import BinarySensor
 
 __all__ = ["warm_up"]
 
@@ -24,13 +28,15 @@ BOUNDS = 60  # more than it takes for every kernel of every proof to have had it
 
 def warm_up() -> Iterator[str]:
     """Yield the name of each planner, of the bounds and of the picture, once they are compiled and cached."""
-    problems = _problems()
+    regions, problems = _regions(), _problems()
     for problem in problems:
         for _ in islice(bounds(problem, 0.5 * problem.teleport.value), BOUNDS):
             pass
+    for _ in bounds(regions):
+        pass
     yield "bounds"
     for name, entry in PLANNERS.items():
-        for problem in problems:
+        for problem in (*problems, regions):
             try:
                 planner = entry.make()
                 if planner.handles(problem) is None:
@@ -41,6 +47,17 @@ def warm_up() -> Iterator[str]:
     start = Plan.of([problems[0].grid.index(problems[0].searcher.start)])
     draw_plan(evaluate(problems[0], start), start, np.full(problems[0].grid.shape, 1.0 / problems[0].grid.n_cells))
     yield "picture"
+
+
+def _regions() -> SearchProblem:
+    """Ground with an obstacle in it, cut into regions, for a drone that has to come home; gains of both kinds."""
+    rock = np.zeros((24, 48), bool)
+    rock[8:16, 16:30] = True
+    grid = Grid(rock.shape, "square8", 2.0, rock)
+    theta = np.linspace(0.1, 0.9, grid.n_cells).reshape(grid.shape)
+    gains = information_gains(EvidenceGrid(theta), BinarySensor(0.85, 0.15))
+    regions = regions_for(grid, gains.first, boustrophedon(grid, min_cells=9, min_columns=2, at_width=48))
+    return region_problem(grid, regions, Sweep(round_turns=True), gains, [(2, 3)], 240.0, [(2, 3)])
 
 
 def _problems() -> tuple[SearchProblem, ...]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from importlib import import_module
 from typing import Any
 
 from sooner.errors import UnsupportedProblemError
+from sooner.planners.by_moves import ByMoves
 from sooner.planners.planner import Planner
 
 __all__ = ["DEFAULT", "PLANNERS", "Entry", "make_planner"]
@@ -22,18 +23,34 @@ class Entry:
     when : str                one sentence for someone who has to choose
     cites : tuple of str      keys of the bibliography
     settings : dict           arguments of the class
+    moves : tuple of str      "cells", "regions" or both: what it plans
+    regions : str             "module:Class" that plans moves over regions, where `path` plans those over cells only
     """
 
     path: str
     when: str
     cites: tuple[str, ...] = ()
     settings: dict[str, Any] = field(default_factory=dict)
+    moves: tuple[str, ...] = ("cells",)
+    regions: str = ""
 
     def make(self, **settings: Any) -> Planner:
-        """The planner, with its own settings and then yours."""
-        module, name = self.path.split(":")
-        planner: Planner = getattr(import_module(module), name)(**{**self.settings, **settings})
-        return planner
+        """The planner, with its own settings and then yours; of two classes, each takes the settings that it has."""
+        chosen = {**self.settings, **settings}
+        if not self.regions:
+            planner: Planner = _loaded(self.path)(**chosen)
+            return planner
+        kinds = _loaded(self.path), _loaded(self.regions)
+        known = [{each.name for each in fields(kind)} for kind in kinds]
+        unknown = chosen.keys() - known[1]  # the first class is given them as well, and says what it does not know
+        over_cells = kinds[0](**{key: value for key, value in chosen.items() if key in known[0] | unknown})
+        over_regions = kinds[1](**{key: value for key, value in chosen.items() if key in known[1]})
+        return ByMoves(over_cells, over_regions)
+
+
+def _loaded(path: str) -> Any:
+    module, name = path.split(":")
+    return getattr(import_module(module), name)
 
 
 DEFAULT = "anneal"
@@ -41,8 +58,10 @@ DEFAULT = "anneal"
 PLANNERS: dict[str, Entry] = {
     "anneal": Entry(
         "sooner.planners.anneal:Anneal",
-        "The default: best plans at any planning time from a second upwards.",
-        ("Lin2014",),
+        "The default, over cells and regions: best plans at any planning time from a second upwards.",
+        ("Lin2014", "Kuhlman2017"),
+        moves=("cells", "regions"),
+        regions="sooner.planners.region_anneal:RegionAnneal",
     ),
     "topn": Entry(
         "sooner.planners.topn:TopN",
@@ -78,8 +97,40 @@ PLANNERS: dict[str, Entry] = {
     ),
     "greedy": Entry(
         "sooner.planners.greedy:Greedy",
-        "A baseline: instant, one step ahead, stays on the hill where it starts.",
-        ("Bourgault2006",),
+        "A baseline, over cells and regions: instant, one step ahead, stays on the hill where it starts.",
+        ("Bourgault2006", "Kuhlman2017"),
+        moves=("cells", "regions"),
+        regions="sooner.planners.region_greedy:RegionGreedy",
+    ),
+    "exact": Entry(
+        "sooner.planners.exact:Exact",
+        "Over regions: you want proof. The optimum of up to some 25 regions in a minute, else as near as time allows.",
+        ("Kuhlman2017", "Huangfu2018"),
+        moves=("regions",),
+    ),
+    "eps-branch-and-bound": Entry(
+        "sooner.planners.branch_and_bound:BranchAndBound",
+        "Over regions: the paper's best, best-first and impatient; 6000 iterations, in a second or less.",
+        ("Kuhlman2017",),
+        moves=("regions",),
+    ),
+    "df-branch-and-bound": Entry(
+        "sooner.planners.branch_and_bound:DepthFirstBranchAndBound",
+        "Over regions: branch and bound last in, first out; for comparison with the paper's tables.",
+        ("Kuhlman2017",),
+        moves=("regions",),
+    ),
+    "beam-stack": Entry(
+        "sooner.planners.beam_stack:BeamStack",
+        "Over regions: branch and bound in little memory, for very long flights over many regions.",
+        ("Kuhlman2017", "Zhou2005"),
+        moves=("regions",),
+    ),
+    "depth-first": Entry(
+        "sooner.planners.depth_first:DepthFirst",
+        "Over regions: a baseline, instant; covers all ground in turn, several times over.",
+        ("Kuhlman2017",),
+        moves=("regions",),
     ),
 }
 
@@ -93,8 +144,8 @@ def make_planner(name: str, **settings: Any) -> Planner:
 
     Examples
     --------
-    >>> make_planner("greedy")
-    Greedy()
+    >>> make_planner("greedy"), make_planner("depth-first")
+    (ByMoves(cells=Greedy(), regions=RegionGreedy()), DepthFirst())
     """
     if name not in PLANNERS:
         raise UnsupportedProblemError(f"planner {name!r} came; expected one of {', '.join(PLANNERS)}")

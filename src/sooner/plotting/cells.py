@@ -51,6 +51,12 @@ class CellMap:
         low, high = self.grid.centres_m.min(axis=0) - half, self.grid.centres_m.max(axis=0) + half
         return float(low[0]), float(high[0]), float(low[1]), float(high[1])
 
+    @property
+    def tall(self) -> float:
+        """Height over width."""
+        west, east, south, north = self.extent
+        return (north - south) / (east - west)
+
     def _frame(self, axes: Axes, numbered: bool) -> None:
         west, east, south, north = self.extent
         axes.set_xlim(west, east)

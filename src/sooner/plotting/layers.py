@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 
 from sooner.plotting.style import FLIGHT, GLIMPSE, LOOKS, NOWHERE, POC, ROCK
 
-__all__ = ["Layer", "flight_colours", "glimpse_layer", "looks_layer", "painted", "poc_layer", "time_layer"]
+__all__ = [
+    "Layer",
+    "flight_colours",
+    "glimpse_layer",
+    "looks_layer",
+    "painted",
+    "poc_layer",
+    "there_layer",
+    "time_layer",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +44,13 @@ def poc_layer(poc: NDArray[np.float64], peak: float) -> Layer:
     from matplotlib.colors import PowerNorm
 
     return Layer(poc, _part_of(POC, 0.0, 0.8), PowerNorm(0.5, 0.0, max(peak, 1e-300)), ("unlikely", "likely"))
+
+
+def there_layer(values: NDArray[np.float64], peak: float) -> Layer:
+    """What there is to collect in cells that hold much alike; pale, so that a flight over all of them shows."""
+    from matplotlib.colors import Normalize
+
+    return Layer(values, _part_of(POC, 0.0, 0.5), Normalize(0.0, max(peak, 1e-300)), ("0", f"{peak:.3g}"))
 
 
 def time_layer(times: NDArray[np.float64]) -> Layer:

@@ -14,6 +14,7 @@ from sooner.scenarios.natural import (
     starts,
 )
 from sooner.scenarios.registry import SCENARIOS, make_scenario
+from sooner.scenarios.rough_ground import RoughGround, rough_ground
 from sooner.scenarios.rugged_ridge import rugged_ridge
 from sooner.scenarios.scenario import Scenario
 from sooner.scenarios.simplex_noise import elevation, simplex_noise
@@ -23,6 +24,7 @@ __all__ = [
     "NATURAL_KINDS",
     "SCENARIOS",
     "NaturalEnvironment",
+    "RoughGround",
     "Scenario",
     "bimodal",
     "downsampled",
@@ -33,6 +35,7 @@ __all__ = [
     "many_hills",
     "natural_environment",
     "natural_environments",
+    "rough_ground",
     "rugged_ridge",
     "simplex_noise",
     "starts",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from sooner.scenarios.bimodal import bimodal
 from sooner.scenarios.many_hills import many_hills
+from sooner.scenarios.rough_ground import RoughGround, rough_ground
 from sooner.scenarios.rugged_ridge import rugged_ridge
 from sooner.scenarios.scenario import Scenario
 
@@ -17,7 +18,7 @@ __all__ = ["SCENARIOS", "make_scenario"]
 class Entry:
     """One scenario: how it is made, and what it is about."""
 
-    make: Callable[..., Scenario]
+    make: Callable[..., Scenario | RoughGround]
     about: str
 
 
@@ -25,14 +26,17 @@ SCENARIOS: dict[str, Entry] = {
     "many-hills": Entry(many_hills, "40 hills of all sizes, half an hour of flight, and home again (100 x 100 cells)"),
     "rugged-ridge": Entry(rugged_ridge, "a ridge, forest that hides, rocks in the way (100 x 100 cells)"),
     "bimodal": Entry(bimodal, "a broad hill and a sharp one (60 x 60 cells)"),
+    "rough-ground": Entry(
+        rough_ground, "regions between obstacles, searched for what there is to learn (100 x 200 cells)"
+    ),
 }
 
 
-def make_scenario(name: str, seed: int | None = None) -> Scenario:
+def make_scenario(name: str, seed: int | None = None) -> Scenario | RoughGround:
     """The scenario of that name; another seed makes another search of its kind.
 
-    >>> make_scenario("bimodal").weights.shape
-    (60, 60)
+    >>> make_scenario("bimodal").start
+    (30, 15)
     """
     make = SCENARIOS[name].make
     return make() if seed is None else make(seed)

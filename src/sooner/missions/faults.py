@@ -1,0 +1,165 @@
+"""What is wrong with a mission file: collected, told in our words, and reported at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from sooner.errors import DataFormatError, Fault
+from sooner.missions.settings import CameraSettings, Cutting, Searching, Settings
+
+__all__ = ["Faults"]
+
+
+class Faults:
+    """The faults of one mission file found so far, one for each key."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.found: list[Fault] = []
+        self.wrong: set[str] = set()  # keys already reported
+
+    def add(self, key: str, came: str, expected: str) -> None:
+        """Note a fault, unless the key has one that makes this one moot."""
+        if key not in self.wrong:
+            self.found.append(Fault(str(self.path), key, came, expected))
+
+    def once(self, key: str, came: str, expected: str) -> None:
+        """Note a fault, and nothing more of this key."""
+        self.add(key, came, expected)
+        self.wrong.add(key)
+
+    def among(self, key: str) -> bool:
+        """Whether something is wrong with a key or with one below it."""
+        return any(each.startswith(key) for each in self.wrong)
+
+    def refuse(self) -> None:
+        """Raise DataFormatError with all faults, if there are any."""
+        if self.found:
+            raise DataFormatError(*self.found)
+
+    def settings(self, raw: dict[str, Any]) -> Settings:
+        """What the file says, without the keys that are wrong; those are reported and left out."""
+        for _ in range(10):  # taking out a key can bring another fault of the same table to light
+            try:
+                return Settings.model_validate(raw)
+            except ValidationError as error:
+                found = error.errors(include_url=False)
+            for key, fault in _schema_faults(str(self.path), raw, found):
+                if key not in self.wrong:
+                    self.wrong.add(key)
+                    self.found.append(fault)
+            for detail in found:
+                _take_out(raw, detail["loc"])
+        raise DataFormatError(*self.found)
+
+
+def _schema_faults(file: str, raw: dict[str, Any], found: Iterable[ErrorDetails]) -> list[tuple[str, Fault]]:
+    """pydantic's findings in our words, one per key."""
+    by_key: dict[str, list[ErrorDetails]] = {}
+    for detail in found:
+        by_key.setdefault(_key(detail["loc"]), []).append(detail)
+    faults = []
+    for key, details in by_key.items():
+        if details[0]["type"] == "extra_forbidden":
+            came, expected = "this key is not known", _known(details[0]["loc"])
+        else:
+            came = f"{_told(_at(raw, details[0]['loc']))} came"
+            expected = "expected " + " or ".join(dict.fromkeys(_wanted(detail) for detail in details))
+        faults.append((key, Fault(file, key, came, expected)))
+    return faults
+
+
+_TABLES: dict[str, type[BaseModel]] = {"searcher": Searching, "camera": CameraSettings, "regions": Cutting}
+_BRANCHES = {"str", "float", "list[int]", "Place", "constrained-list", "list[constrained-int]"}
+
+
+def _place(loc: tuple[int | str, ...]) -> tuple[int | str, ...]:
+    """Where in the file: without the branches of a union that pydantic names, and whole cells rather than a number."""
+    place = []
+    for part in loc:
+        if isinstance(part, str) and (part in _BRANCHES or "[" in part or "(" in part):
+            break
+        place.append(part)
+    return tuple(place)
+
+
+def _key(loc: tuple[int | str, ...]) -> str:
+    """Dotted, as `searcher[0].start`."""
+    key = ""
+    for part in _place(loc):
+        key += f"[{part}]" if isinstance(part, int) else f".{part}" if key else part
+    return key
+
+
+def _at(raw: Any, loc: tuple[int | str, ...]) -> Any:
+    for part in _place(loc):
+        raw = raw[part]
+    return raw
+
+
+def _take_out(raw: Any, loc: tuple[int | str, ...]) -> None:
+    place = _place(loc)
+    for part in place[:-1]:
+        if isinstance(raw, dict) and part not in raw:
+            return
+        raw = raw[part]
+    if isinstance(raw, dict):
+        raw.pop(place[-1], None)
+    elif isinstance(raw, list) and isinstance(place[-1], int):
+        raw[place[-1]] = {}
+
+
+def _known(loc: tuple[int | str, ...]) -> str:
+    """The keys of the table that a key was not known in."""
+    model: type[BaseModel] = Settings
+    for part in loc[:-1]:
+        if isinstance(part, int):
+            continue
+        if part == "Place":
+            return "expected lat, lon"
+        model = _TABLES.get(part) or model.model_fields[part].annotation  # type: ignore[assignment]
+    return f"expected one of {', '.join(model.model_fields)}"
+
+
+def _told(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:60] + "..."
+
+
+_WANTED = {
+    "model_type": "a table",
+    "dict_type": "a table",
+    "list_type": "a list",
+    "too_short": "[row, col]",
+    "too_long": "[row, col]",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "int_parsing": "a whole number",
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "finite_number": "a finite number",
+    "string_type": "text in quotes",
+    "bool_type": "true or false",
+}
+
+
+def _wanted(detail: ErrorDetails) -> str:
+    kind, limits = detail["type"], detail.get("ctx", {})
+    branch = str(detail["loc"][-1]) if detail["loc"] else ""
+    if "start" in detail["loc"] or "end" in detail["loc"]:
+        return "[row, col] in whole numbers"
+    if branch == "searcher":
+        return "[[searcher]] tables"
+    if kind in _WANTED:
+        return _WANTED[kind]
+    if kind == "literal_error":
+        return str(limits.get("expected"))
+    for name, words in (("ge", "of at least"), ("gt", "above"), ("le", "of at most"), ("lt", "below")):
+        if name in limits:
+            return f"a number {words} {limits[name]}"
+    return detail["msg"]

@@ -1,0 +1,214 @@
+"""A mission whose drones search whole regions, flown with true accelerations."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from math import inf, radians
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sooner.decomposition import Regions, boustrophedon, regions_for
+from sooner.errors import InfeasibleProblemError, InvalidProblemError
+from sooner.grid import Grid
+from sooner.missions.faults import Faults
+from sooner.missions.layers import Layers
+from sooner.missions.places import Place, components
+from sooner.missions.settings import CameraSettings, Cutting, Settings
+from sooner.missions.sight import Sight
+from sooner.motion.kinematics import Dynamics
+from sooner.problem import SearchProblem
+from sooner.problem.region_problem import Sweep, region_problem
+from sooner.problem.regions import ROUNDING_S, RegionMoves
+from sooner.sensors.camera import Camera, speed_to_stop
+
+__all__ = ["OverRegions"]
+
+# In radii of the sensor: what the paper's counts of regions ask for at its 8.8 m, 75 cells of 2.2 m and 3 columns.
+MIN_AREA, MIN_WIDTH = 75 * 2.2**2 / 8.8**2, 3 * 2.2 / 8.8
+TILE, MIN_TILE = 22.0 / 8.8, 100.0 / 8.8**2  # tuned at the same radius, see `regions_for`
+SMALL_PART = 0.005  # of free ground, cut off: not worth a note
+
+
+class OverRegions:
+    """What the file says of such a search, checked as far as it can be without cutting the ground."""
+
+    step_s = None  # time is told in seconds as it is
+
+    def __init__(
+        self, faults: Faults, settings: Settings, layers: Layers, places: list[tuple[Place | None, Place | None]]
+    ) -> None:
+        self.faults, self.settings, self.layers, self.places = faults, settings, layers, places
+        self.notes: tuple[str, ...] = ()
+        self._check_keys()
+        self.reach = _Reach.of(faults, settings)
+        self.sweep = self._sweep()
+        self.free = self._free()
+        if self.sweep is not None and self.sweep.dynamics.v_max < (settings.searcher[0].speed_mps or 0.0):
+            self.notes += (f"{self.reach.why} allows {self.sweep.dynamics.v_max:.3g} m/s; nothing flies faster",)
+
+    def _check_keys(self) -> None:
+        add, settings = self.faults.add, self.settings
+        if settings.area.grid == "hex":
+            add("area.grid", "'hex' came", "expected square cells, which regions are cut along")
+        if settings.budget.steps is not None and settings.budget.seconds is None:
+            add(
+                "budget.steps",
+                f"{settings.budget.steps} came",
+                "expected budget.seconds: over regions flights are timed",
+            )
+        if self.layers.cell_m is None and self.layers.shape is not None:
+            add("area.cell_m", "nothing came", "expected metres: over regions flights are timed")
+        if settings.regions is not None and settings.regions.tile_m is not None and settings.regions.cut == "plain":
+            add("regions.tile_m", f"{settings.regions.tile_m:g} m came", 'expected cut = "aware", which has tiles')
+        for number, searcher in enumerate(settings.searcher):
+            for key, unit in (("speed_mps", "metres a second"), ("accel_mps2", "metres a second squared")):
+                if getattr(searcher, key) is None:
+                    add(f"searcher[{number}].{key}", "nothing came", f"expected {unit}: over regions flights are timed")
+
+    def _sweep(self) -> Sweep | None:
+        """How regions are flown; None where something is missing."""
+        first, cell_m, radius_m = self.settings.searcher[0], self.layers.cell_m, self.reach.radius_m
+        cutting = self.settings.regions or Cutting()
+        if radius_m is None:
+            return None
+        if cell_m is not None and radius_m < cell_m / 2:
+            key = "sensor.radius_m" if self.settings.sensor.camera is None else "sensor.camera"
+            came = f"{radius_m:.3g} m came, and cells of {cell_m:g} m"
+            self.faults.add(key, came, f"expected at least half a cell, {cell_m / 2:g} m: looks must cover the path")
+        spacing_m = radius_m if cutting.spacing_m is None else cutting.spacing_m
+        if spacing_m > 2 * radius_m:
+            came = f"{spacing_m:g} m came, and looks reach {radius_m:.3g} m"
+            expected = f"expected at most twice as much, {2 * radius_m:.3g} m: the ground between lines must be seen"
+            self.faults.add("regions.spacing_m", came, expected)
+        speed, accel = min(first.speed_mps or inf, self.reach.speed_mps), first.accel_mps2
+        if not 0 < speed < inf or accel is None:
+            return None
+        return Sweep(Dynamics(speed, accel), radius_m, spacing_m, cutting.ways == "taut", cutting.turns == "rounded")
+
+    def _free(self) -> NDArray[np.bool_] | None:
+        """(H, W) bool: free ground that can be reached from some start."""
+        if self.layers.shape is None:
+            return None
+        stones = self.layers.obstacles
+        free = np.ones(self.layers.shape, bool) if stones is None else ~stones
+        pieces = components(free)
+        for number, (start, end) in enumerate(self.places):
+            if start is not None and end is not None and pieces[start] != pieces[end]:
+                came = f"{list(end)} came, which cannot be reached from {list(start)}: obstacles lie all around one"
+                self.faults.add(f"searcher[{number}].end", came, "expected ground that hangs together with the start")
+        starts = [pieces[start] for start, _ in self.places if start is not None]
+        reached = np.isin(pieces, starts)
+        left_out = 1.0 - reached.sum() / max(free.sum(), 1)
+        if starts and left_out > SMALL_PART:
+            self.notes += (f"{left_out:.1%} of the free ground cannot be reached from the start, and is left out",)
+        return reached
+
+    def problem(self, sight: Sight) -> SearchProblem:
+        """The search as planners are asked it.
+
+        Raises
+        ------
+        DataFormatError        where there is not enough time, or too little ground around the start
+        """
+        assert self.free is not None
+        assert self.sweep is not None
+        assert self.layers.cell_m is not None
+        seconds = self.settings.budget.seconds or 0.0
+        grid = Grid(self.free.shape, "square8", self.layers.cell_m, None if self.free.all() else ~self.free)
+        starts, ends = zip(*self.places, strict=True)
+        try:
+            regions = self._regions(grid, sight, self.sweep.radius_m)
+            posed = region_problem(grid, regions, self.sweep, sight.rows, starts, seconds, ends, sight.objective)
+        except InfeasibleProblemError as error:
+            self.faults.add("budget.seconds", re.sub(r"^searcher \d+: ", "", str(error)), "expected more time")
+        except InvalidProblemError as error:
+            self.faults.add("searcher", str(error), "expected a search that can be posed")
+        self.faults.refuse()
+        self._check_time(posed)
+        return posed
+
+    def _regions(self, grid: Grid, sight: Sight, radius_m: float) -> Regions:
+        """The ground, cut as the file says."""
+        cutting = self.settings.regions or Cutting()
+        plain = boustrophedon(grid, **self._thresholds(grid, radius_m))
+        if cutting.cut == "plain":
+            return plain
+        tile_m = TILE * radius_m if cutting.tile_m is None else cutting.tile_m
+        return regions_for(grid, sight.first_look, plain, tile_m, min_m2=MIN_TILE * radius_m**2)
+
+    def _thresholds(self, grid: Grid, radius_m: float) -> dict[str, float]:
+        """Least sizes of regions in cells, whatever the size of the map."""
+        cutting, cell_m = self.settings.regions or Cutting(), grid.cell_m
+        area_m2 = MIN_AREA * radius_m**2 if cutting.min_area_m2 is None else cutting.min_area_m2
+        width_m = MIN_WIDTH * radius_m if cutting.min_width_m is None else cutting.min_width_m
+        return {
+            "overlap": cutting.overlap,
+            "min_cells": area_m2 / cell_m**2,
+            "min_columns": width_m / cell_m,
+            "min_obstacle": cutting.min_obstacle_m2 / cell_m**2,
+            "at_width": grid.shape[1],
+        }
+
+    def _check_time(self, problem: SearchProblem) -> None:
+        """At least one region can be searched in time, by every searcher."""
+        for number, searcher in enumerate(problem.searchers):
+            moves = searcher.moves
+            assert isinstance(moves, RegionMoves)
+            searches = moves.graph.seconds[: moves.graph.n_regions]
+            least = float((moves.from_first + searches + moves.to_last).min()) + moves.leg_s
+            if least > searcher.budget + ROUNDING_S:
+                came = f"{searcher.budget:g} s came, too short for searcher {number} to search any region"
+                expected = f"expected at least {least:.0f} s: the quickest search, with the ways to and from it"
+                self.faults.add("budget.seconds", came, expected)
+        self.faults.refuse()
+
+
+@dataclass(frozen=True)
+class _Reach:
+    """How far looks reach, and how fast the sensors let anything fly.
+
+    Parameters
+    ----------
+    radius_m : float or None
+    speed_mps : float           inf where no sensor caps it
+    why : str                   what caps it
+    """
+
+    radius_m: float | None
+    speed_mps: float = inf
+    why: str = ""
+
+    @classmethod
+    def of(cls, faults: Faults, settings: Settings) -> _Reach:
+        """From the radius or the camera, and from how far ahead obstacles are seen."""
+        sensor, accel = settings.sensor, settings.searcher[0].accel_mps2
+        caps = [(inf, "")]
+        radius_m = sensor.radius_m
+        if sensor.camera is not None and sensor.radius_m is not None:
+            faults.add("sensor", "radius_m and camera came", "expected one of them")
+        elif sensor.camera is not None:
+            radius_m, sharp = _seen(faults, sensor.camera)
+            caps.append((sharp, "[sensor.camera]"))
+        elif radius_m is None and not faults.among("sensor.radius_m") and not faults.among("sensor.camera"):
+            expected = "expected metres, or a camera: over regions cells so near to the path are looked at"
+            faults.add("sensor.radius_m", "nothing came", expected)
+        if sensor.range_m is not None and accel is not None:
+            caps.append((float(speed_to_stop(sensor.range_m, accel)), "sensor.range_m"))
+        return cls(radius_m, *min(caps))
+
+
+def _seen(faults: Faults, said: CameraSettings) -> tuple[float | None, float]:
+    """Radius of the ground in view, and the speed up to which pictures are sharp."""
+    for key in type(said).model_fields:
+        if getattr(said, key) is None:
+            faults.add(f"sensor.camera.{key}", "nothing came", f"expected {', '.join(type(said).model_fields)}")
+    if said.fov_deg is None or said.altitude_m is None or said.pixels is None or said.exposure_s is None:
+        return None, inf
+    camera = Camera(radians(said.fov_deg), said.pixels, said.exposure_s)
+    sharp = float(camera.largest_speed(said.altitude_m))
+    if sharp <= 0:
+        came = f"exposure_s = {said.exposure_s:g} came, with which turns of the drone alone blur the picture"
+        faults.add("sensor.camera", came, "expected a shorter exposure, fewer pixels or a wider view")
+    return float(camera.footprint_radius(said.altitude_m)), sharp
