@@ -103,7 +103,7 @@ def test_a_planner_that_cannot_plan_it_says_why(folder):
 
 
 def test_made_makes_planners_and_what_their_settings_name():
-    assert made({"name": "greedy"}) == Greedy()
+    assert made({"name": "greedy"}).cells == Greedy()
     goodness = {"make": "sooner.planners.mode_goodness:ModeGoodness", "exponent": 2.0}
     found = made({"make": "sooner.planners.topn:TopN", "layers": [[5, 3]], "goodness": goodness})
     assert found == TopN(layers=((5, 3),), goodness=ModeGoodness(exponent=2.0))

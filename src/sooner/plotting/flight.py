@@ -44,7 +44,8 @@ def draw_ends(axes: Axes, path: NDArray[np.float64], number: int | None) -> None
 def draw_legend(axes: Axes) -> None:
     """Each name once, in the upper left corner, or the right one where a flight starts in the left."""
     (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
-    starts = [line.get_xydata()[0] for line in axes.lines if str(line.get_label()).startswith("start")]
+    marks = [line for line in axes.lines if str(line.get_label()).startswith("start")]
+    starts = [np.asarray(mark.get_xydata(), np.float64)[0].tolist() for mark in marks]
     hidden = any(x < 0.75 * west + 0.25 * east and y > 0.2 * south + 0.8 * north for x, y in starts)
     seen = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
     names = sorted(seen, reverse=True)
