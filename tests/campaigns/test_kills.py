@@ -135,11 +135,12 @@ def test_a_campaign_outlives_the_death_of(whole_group, campaign, undisturbed):
 @pytest.mark.slow
 def test_a_campaign_outlives_the_death_of_its_workers(campaign, undisturbed):
     rng = random.Random(2)
-    process = campaign.start(nap_s=0.05)
+    process = campaign.start(nap_s=0.12)
     for _ in range(KILLS):
-        until(campaign.workers)
+        until(lambda: campaign.workers() or process.poll() is not None)
         time.sleep(rng.uniform(0.0, 0.4))
-        rng.choice(campaign.workers()).kill()
+        for worker in rng.sample(alive := campaign.workers(), min(len(alive), 1)):
+            worker.kill()
     assert process.wait(PATIENCE_S) == 0, campaign.said.read_text()
     assert 1 <= len(campaign.told(campaign.out, "SELECT 1 FROM failures WHERE ending = 'killed'")) <= KILLS
     is_whole(campaign, undisturbed)

@@ -11,6 +11,8 @@ import signal
 import sys
 import time
 
+__all__ = ["main"]
+
 
 def main() -> None:
     """Wait until the worker is gone, then end its group, this process as well."""

@@ -155,7 +155,7 @@ class NaturalEnvironment:
         with Path(path).open("rb") as file:
             try:
                 return _read(file)
-            except UNREADABLE as error:
+            except (*UNREADABLE, OSError) as error:  # a damaged archive may point to before its own beginning
                 came = f"came a file that cannot be used ({error})"
                 expected = "expected an environment as NaturalEnvironment.save writes it"
                 raise DataFormatError(Fault(str(path), "", came, expected)) from None
