@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from sooner.planners.depth_first import DepthFirst
 from sooner.planners.planner import Ticks
+from sooner.planners.region_greedy import RegionGreedy
 from sooner.planners.region_walk import walk_of
 from sooner.planners.rounds import FIRST_ROUND, Rounds
 from sooner.problem import Incumbent, Plan, SearchProblem, evaluate
@@ -36,7 +37,7 @@ class RegionAnneal:
     Parameters
     ----------
     hot, cold : float          temperatures at the beginning and end, in mean gains of an action of the relaxed plan
-    walks : int                started together from depth-first coverage
+    walks : int                started together from the better of depth-first coverage and a greedy walk
     halvings : (share, n)      after this share of a round the n best go on
     moves : int                of each thread between two yields
     longest : int              ticks after which a round begins anew, where there is time for more than one
@@ -56,9 +57,10 @@ class RegionAnneal:
         return single_region_searcher(problem)
 
     def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
-        """Yield depth-first coverage at once, then anneal for as long as somebody asks."""
+        """Yield the better of depth-first coverage and a greedy walk at once, then anneal for as long as asked."""
         ground = RegionGround.of(problem)
-        best = next(iter(DepthFirst().plans(problem, rng)))
+        firsts = [next(planner.plans(problem, rng)) for planner in (DepthFirst(), RegionGreedy())]
+        best = max(firsts, key=lambda incumbent: incumbent.value)
         share = yield best
         numbers = _Numbers(ground)
         start = best.plan.actions[0]
