@@ -29,6 +29,7 @@ __all__ = ["Slot"]
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 WORKER = "sooner.campaigns.worker"
 WATCH_S = 0.2
+REHEARSALS = 5
 START_S = 300.0  # to import and compile, on a machine that is busy
 FROM_OUTSIDE = (signal.SIGTERM, getattr(signal, "SIGKILL", signal.SIGTERM), getattr(signal, "SIGHUP", signal.SIGTERM))
 
@@ -78,13 +79,17 @@ class Slot:
     def rehearse(self, planners: Mapping[str, Any]) -> dict[str, str]:
         """Load what flies trials and make these planners, without a flight: which cannot be, and why.
 
-        The key "" is that of the function that flies trials.
+        The key "" is that of the function that flies trials. A process that somebody ends meanwhile says nothing of
+        them, so it is started again; where that goes on, trials will show.
         """
-        said = self._ready() or self._asked([planners, None], Limits(START_S))
-        if isinstance(said, _End):
-            return {"": said.reason}
-        cannot: dict[str, str] = json.loads(said)["cannot"]
-        return cannot
+        for _ in range(REHEARSALS):
+            said = self._ready() or self._asked([planners, None], Limits(START_S))
+            if not isinstance(said, _End):
+                cannot: dict[str, str] = json.loads(said)["cannot"]
+                return cannot
+            if said.ending != "killed":
+                return {"": said.reason}
+        return {}
 
     def close(self) -> None:
         """End the process; may be called from another thread."""
