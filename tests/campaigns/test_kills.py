@@ -193,7 +193,8 @@ def test_ctrl_c_at_any_moment_loses_nothing(short, undisturbed):
         process = short.start()
         time.sleep(rng.uniform(0.1, 0.9))
         os.killpg(process.pid, signal.SIGINT)
-        assert process.wait(PATIENCE_S) != 0
+        if process.wait(PATIENCE_S) == 0:  # it was quicker
+            break
     is_whole(short, undisturbed)
 
 
