@@ -12,9 +12,9 @@ from sooner.grid import Grid
 from sooner.planners import max_ticks, solve
 from sooner.planners.branch_and_bound import BranchAndBound, DepthFirstBranchAndBound
 from sooner.planners.depth_first import relaxation
-from sooner.planners.region_ground import RegionGround
 from sooner.problem import Plan, Searcher, SearchProblem, evaluate
 from sooner.problem.atoms import Footprints, atom_gains, atoms_of
+from sooner.problem.region_ground import RegionGround
 from sooner.problem.regions import RegionGraph, RegionMoves
 from tests.planners.region_worlds import COLUMNS, best_by_enumeration, cell_gains, region_world
 

@@ -117,12 +117,10 @@ class RegionGround:
         own = np.arange(graph.n_regions)[:, None].repeat(2, axis=1)
         entries = atoms.starts[count]
         covered, starts = atoms.covered[:entries], atoms.starts[: count + 1]
-        legs = [atoms.of(leg) for leg in moves.legs]
-        looked = np.bincount(np.concatenate([*legs, np.zeros(0, np.int64)]), minlength=atoms.n_atoms)
+        legs = np.concatenate([np.zeros(0, np.int64), *(atoms.of(leg) for leg in moves.legs)])
         cover_starts, covers = _turned(starts, covered, atoms.n_atoms)
         ways = [[region, *(action for action, _ in graph.ways[region])] for region in range(graph.n_regions)]
-        table = problem.gains.after(looked).table
-        before = np.concatenate([atoms.of(leg) for leg in moves.legs] or [np.zeros(0, np.int64)])
+        table = problem.gains.after(np.bincount(legs, minlength=atoms.n_atoms)).table
         return RegionGround(
             n_regions=graph.n_regions,
             ends=np.concatenate([own, graph.edges]).astype(np.int64),
@@ -138,7 +136,7 @@ class RegionGround:
             way_starts=np.cumsum([0, *map(len, ways)]),
             ways=np.concatenate(ways).astype(np.int64),
             gains=np.concatenate([table, np.zeros((len(table), 1))], axis=1),
-            leg_value=_value(problem, before),
+            leg_value=_value(problem, legs),
         )
 
 
