@@ -16,7 +16,7 @@ from sooner.problem import Incumbent, Plan, SearchProblem, evaluate
 from sooner.problem.region_ground import RegionGround
 from sooner.problem.regions import RegionMoves
 
-__all__ = ["Team"]
+__all__ = ["Team", "least_flight", "left_for"]
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Team:
     def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
         """Yield after every tick of the inner planner; until its turn a searcher flies as little as it may."""
         team = len(problem.searchers)
-        best = [_least(_left_for(problem, number, {}), rng).actions[0] for number in range(team)]
+        best = [least_flight(problem, number, rng) for number in range(team)]
         value = evaluate(problem, Plan(tuple(best))).value
         share: float | None = 0.0
         turns = team * (1 + self.rounds)
@@ -69,17 +69,18 @@ class Team:
 
             others = {n: flight for n, flight in enumerate(best) if n != number}
             part = Part(turn / turns, (turn + 1) / turns, self.ticks)
-            share, _ = yield from part.run(self.inner, _left_for(problem, number, others), rng, share, take)
+            share, _ = yield from part.run(self.inner, left_for(problem, number, others), rng, share, take)
 
 
-def _least(problem: SearchProblem, rng: Generator) -> Plan:
-    """A legal plan of little worth: the start alone, or the shortest walk over regions."""
-    if isinstance(problem.searcher.moves, RegionMoves):
-        return Plan.of(RegionGround.of(problem).quickest())
-    return first_flight(problem, rng)
+def least_flight(problem: SearchProblem, number: int, rng: Generator) -> NDArray[np.int64]:
+    """A legal flight of little worth for one searcher: the start alone, or the shortest walk over regions."""
+    alone = left_for(problem, number, {})
+    if isinstance(alone.searcher.moves, RegionMoves):
+        return np.array(RegionGround.of(alone).quickest(), np.int64)
+    return first_flight(alone, rng).actions[0]
 
 
-def _left_for(problem: SearchProblem, number: int, others: Mapping[int, NDArray[np.int64]]) -> SearchProblem:
+def left_for(problem: SearchProblem, number: int, others: Mapping[int, NDArray[np.int64]]) -> SearchProblem:
     """The problem of one searcher alone, with the gains that the flights of the others leave."""
     looked = np.zeros(problem.gains.n_cells, np.int64)
     for other, flight in others.items():
