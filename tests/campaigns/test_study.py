@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 
 from sooner.campaigns.reference import reference_page
-from sooner.campaigns.study import MAX_BYTES, OfCampaign, Rule, Study, StudyFile, Table, read_study
+from sooner.campaigns.study import OfCampaign, Rule, Study, StudyFile, Table, read_study
 from sooner.campaigns.trial import Case
 from sooner.errors import DataFormatError
+from sooner.io.reading import MOST_BYTES_OF_TOML
 
 HEAD = """
 title = "Small"
@@ -203,7 +204,7 @@ def test_what_came_is_not_told_at_length(study):
         (b"title = ", "it is not TOML"),
         (b"\xff\xfe\x00", "something that is not text came"),
         (b"a = " + b"[" * 20_000, "it is not TOML"),
-        (SMALL.encode() + b"#" * MAX_BYTES, "a file of more than 10 MB came"),
+        (SMALL.encode() + b"#" * MOST_BYTES_OF_TOML, "a file of more than 10 MB came"),
     ],
     ids=["broken", "binary", "deep", "huge"],
 )

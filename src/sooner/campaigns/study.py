@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import json
 import os
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
@@ -34,7 +33,6 @@ from sooner.campaigns.trial import Case, Limits
 from sooner.errors import DataFormatError, Fault
 
 __all__ = [
-    "MAX_BYTES",
     "MOST_TRIALS",
     "OURS",
     "Cell",
@@ -47,8 +45,6 @@ __all__ = [
     "read_study",
     "refused",
 ]
-
-MAX_BYTES = 10_000_000
 
 
 @dataclass(frozen=True)
@@ -203,8 +199,10 @@ def read_study(path: Path) -> Study:
     ------
     DataFormatError          with every fault of the file
     """
+    from sooner.io.reading import read_toml  # here, because workers need a study but not the geography beside it
+
     path = path / "study.toml" if path.is_dir() else path
-    file, faults = examined(path, _toml(path))
+    file, faults = examined(path, read_toml(path, "expected a study in TOML"))
     study = None if file is None else Study(path.parent, file, path.name)
     if faults and study is not None and not any(fault.key == "trial" for fault in faults):
         faults += more(faults, refused(study))
@@ -230,23 +228,6 @@ def refused(study: Study) -> tuple[Fault, ...]:
     return ()
 
 
-def _toml(path: Path) -> dict[str, Any]:
-    expected = "expected a study in TOML"
-    try:
-        with path.open("rb") as opened:
-            data = opened.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise DataFormatError(Fault(str(path), "", str(error.strerror), expected)) from None
-    if len(data) > MAX_BYTES:
-        raise DataFormatError(Fault(str(path), "", "a file of more than 10 MB came", expected))
-    try:
-        return tomllib.loads(data.decode("utf-8-sig"))
-    except UnicodeDecodeError:
-        raise DataFormatError(Fault(str(path), "", "something that is not text came", expected)) from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise DataFormatError(Fault(str(path), "", f"it is not TOML ({error})", expected)) from None
-
-
 def _made_from(said: Any) -> Iterator[str]:
     """Every `make = "module:Class"` in what a study says."""
     for key, value in said.items() if isinstance(said, dict) else enumerate(said):
@@ -258,9 +239,12 @@ def _made_from(said: Any) -> Iterator[str]:
 
 def _named_by(mission: Path) -> list[Path]:
     """Files that a mission names, as far as it can be read."""
+    from sooner.io.reading import read_toml
+
     try:
-        tables = [table for table in _toml(mission).values() if isinstance(table, dict)]
+        said = read_toml(mission, "expected a mission file in TOML")
     except DataFormatError:
         return []
+    tables = [table for table in said.values() if isinstance(table, dict)]
     texts = [value for table in tables for value in table.values() if isinstance(value, str) and value]
     return [mission.parent / text for text in texts if (mission.parent / text).is_file()]

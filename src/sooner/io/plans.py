@@ -8,10 +8,10 @@ import numpy as np
 
 from sooner.errors import DataFormatError, Fault
 from sooner.grid import Grid
-from sooner.io.rasters import opened
+from sooner.io.reading import bytes_of, lines_of
 from sooner.problem import Plan
 
-__all__ = ["is_whole", "lines_of", "plan_csv", "raise_any", "read_plan"]
+__all__ = ["is_whole", "plan_csv", "plan_lines", "raise_any", "read_plan"]
 
 HEADER = ("searcher", "step", "row", "col")
 MAX_BYTES = 1 << 30
@@ -68,7 +68,7 @@ def read_plan(path: Path, grid: Grid) -> Plan:
 
 def _whole_numbers(path: Path) -> list[tuple[int, tuple[int, ...]]]:
     """(line number, values) of every line below the header."""
-    lines = lines_of(path, _EXPECTED)
+    lines = plan_lines(path, _EXPECTED)
     names = tuple(field.strip().lower() for field in lines[0][1].split(","))
     if names in (HEADER, HEADER[2:]):
         del lines[0]
@@ -89,20 +89,9 @@ def _whole_numbers(path: Path) -> list[tuple[int, tuple[int, ...]]]:
     return rows
 
 
-def lines_of(path: Path, expected: str) -> list[tuple[int, str]]:
-    """(number, text) of every line that is not blank; refuses what is no text."""
-    with opened(path) as file:
-        data = file.read(MAX_BYTES + 1)
-    if len(data) > MAX_BYTES:
-        raise DataFormatError(Fault(str(path), "", "a file of more than 1 GB came", expected))
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise DataFormatError(Fault(str(path), "", "something that is not text came", expected)) from None
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    if not lines:
-        raise DataFormatError(Fault(str(path), "", "an empty file came", expected))
-    return lines
+def plan_lines(path: Path, expected: str) -> list[tuple[int, str]]:
+    """(number, text) of every line that is not blank."""
+    return lines_of(path, bytes_of(path, MAX_BYTES, "1 GB", expected), expected)
 
 
 def is_whole(field: str) -> bool:

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sooner.errors import DataFormatError, Fault
+from sooner.io.reading import lines_of, opened
 
 __all__ = ["MAX_CELLS", "Raster", "raster_csv", "read_raster"]
 
@@ -84,26 +84,6 @@ def raster_csv(values: ArrayLike, decimals: int = 6) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-@contextmanager
-def opened(path: Path) -> Iterator[BinaryIO]:
-    """An ordinary file opened for reading; DataFormatError, with the reason, where that cannot be."""
-    expected = "expected a file that can be read"
-    try:
-        if path.is_dir():
-            raise _refusal(path, "", "a folder came", expected)
-        if path.exists() and not path.is_file():
-            raise _refusal(path, "", "something that is not an ordinary file came", expected)
-        handle = path.open("rb")
-    except FileNotFoundError:
-        raise _refusal(path, "", "there is no such file", expected) from None
-    except OSError as error:
-        raise _refusal(path, "", f"it cannot be read ({error.strerror or error})", expected) from None
-    except ValueError as error:  # a NUL in the name
-        raise _refusal(path, "", f"it cannot be read ({error})", expected) from None
-    with handle:
-        yield handle
-
-
 def _refusal(path: Path, key: str, came: str, expected: str) -> DataFormatError:
     return DataFormatError(Fault(str(path), key, came, expected))
 
@@ -154,13 +134,7 @@ def _read_csv(path: Path, max_cells: int) -> Raster:
             _check_size(path, separators, max_cells)
         file.seek(0)
         data = file.read()
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise _refusal(path, "", "something that is not text came", "expected numbers separated by commas") from None
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    if not lines:
-        raise _refusal(path, "", "an empty file came", "expected numbers separated by commas, one line per row")
+    lines = lines_of(path, data, "expected numbers separated by commas, one line per row")
     rows, faults = [], _Faults(path)
     width = lines[0][1].count(",") + 1
     for number, line in lines:

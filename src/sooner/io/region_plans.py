@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sooner.errors import DataFormatError, Fault
 from sooner.grid import rows_and_cols
-from sooner.io.plans import is_whole, lines_of, raise_any
+from sooner.io.plans import is_whole, plan_lines, raise_any
 from sooner.problem import Plan, Searcher, SearchProblem
 from sooner.problem.regions import RegionGraph, RegionMoves
 
@@ -123,7 +123,7 @@ class _Line:
 
 def _lines(path: Path) -> list[_Line]:
     """Every line below the header."""
-    lines = lines_of(path, _EXPECTED)
+    lines = plan_lines(path, _EXPECTED)
     number, first = lines[0]
     if tuple(name.strip().lower() for name in first.split(",")) != HEADER:
         raise DataFormatError(Fault(str(path), f"line {number}", f"{first[:60]!r} came", _EXPECTED))

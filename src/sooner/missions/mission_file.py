@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sooner.belief import Belief
 from sooner.errors import DataFormatError, Fault, InvalidProblemError
-from sooner.io.rasters import opened
+from sooner.io.reading import read_toml
 from sooner.missions.faults import Faults
 from sooner.missions.layers import Layers
 from sooner.missions.over_cells import OverCells
@@ -23,8 +21,6 @@ from sooner.missions.sight import Sight
 from sooner.problem import SearchProblem
 
 __all__ = ["Mission", "read_mission"]
-
-MAX_BYTES = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +80,7 @@ def read_mission(path: Path) -> Mission:
     DataFormatError        with every fault of the file and of its rasters
     """
     faults = Faults(path)
-    settings = faults.settings(_toml(path))
+    settings = faults.settings(read_toml(path, "expected a mission file in TOML"))
     _check_required(faults, settings)
     for fault in not_yet(settings, str(path)):
         faults.add(fault.key, fault.came, fault.expected)
@@ -101,20 +97,6 @@ def read_mission(path: Path) -> Mission:
         raise DataFormatError(Fault(str(path), "", str(error), "expected a search that can be posed")) from None
     notes = (*_notes(settings, sight, problem), *search.notes)
     return Mission(path, settings, problem, sight, layers.cell_m, search.step_s, notes)
-
-
-def _toml(path: Path) -> dict[str, Any]:
-    expected = "expected a mission file in TOML"
-    with opened(path) as file:
-        data = file.read(MAX_BYTES + 1)
-    if len(data) > MAX_BYTES:
-        raise DataFormatError(Fault(str(path), "", "a file of more than 10 MB came", expected))
-    try:
-        return tomllib.loads(data.decode("utf-8-sig"))
-    except UnicodeDecodeError:
-        raise DataFormatError(Fault(str(path), "", "something that is not text came", expected)) from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise DataFormatError(Fault(str(path), "", f"it is not TOML ({error})", expected)) from None
 
 
 def _check_required(faults: Faults, settings: Settings) -> None:
