@@ -137,6 +137,14 @@ def test_a_planner_that_no_trial_can_be_told_is_refused(study, a, key, came):
     assert (told_key, told_came) == (key, came)
 
 
+@pytest.mark.parametrize("name", ["*", "?", "alph*", "what?"])
+@pytest.mark.parametrize(("kind", "old"), [("planners", "a = { w"), ("instances", "hills = { c")])
+def test_a_name_that_is_a_pattern_is_refused_as_it_would_swallow_the_others(study, name, kind, old):
+    ((key, came, expected),) = faults(study, SMALL.replace(old, f'"{name}" = {old[-3:]}'))
+    assert (key, came) == (f"{kind}.{name}", f"the name '{name}' came")
+    assert expected.startswith("expected no * or ?")
+
+
 def test_a_mission_is_named_by_text_and_stands_beside_the_study(study):
     assert faults(study, SMALL.replace("chance = 0.5", "mission = 3"))[0][0] == "instances.hills.mission"
     text = 'data = "maps"' + SMALL.replace("chance = 0.5", 'mission = "m.toml"')
@@ -303,10 +311,11 @@ def test_rows_and_columns_are_named_by_their_templates(study):
     assert [(cell.row, cell.column) for cell in cells][:2] == [("hills!", "a 7"), ("hills!", "b 7")]
 
 
-def test_patterns_choose_by_name_and_a_name_with_a_star_is_a_name(study):
-    text = SMALL.replace("b = { width = 2 }", '"a*" = { width = 2 }\nab = {}')
-    assert {p for _, p, _ in flown(study(text + "[[tables]]\nname = 'T'\nplanners = ['a*']"))} == {"a*"}
-    assert {p for _, p, _ in flown(study(text + "[[tables]]\nname = 'T'\nplanners = ['a?']"))} == {"a*", "ab"}
+def test_patterns_choose_by_name_and_a_name_in_brackets_is_a_name(study):
+    text = SMALL.replace("b = { width = 2 }", '"a[b]" = { width = 2 }\nab = {}')
+    assert {p for _, p, _ in flown(study(text + "[[tables]]\nname = 'T'\nplanners = ['a[b]']"))} == {"a[b]"}
+    assert {p for _, p, _ in flown(study(text + "[[tables]]\nname = 'T'\nplanners = ['a*']"))} == {"a", "a[b]", "ab"}
+    assert {p for _, p, _ in flown(study(text + "[[tables]]\nname = 'T'\nplanners = ['a?']"))} == {"ab"}
 
 
 def test_only_keeps_the_tables_that_are_asked_for(study):

@@ -104,9 +104,13 @@ def _short(came: Any) -> str:
 
 
 def _impossible(path: Path, file: StudyFile) -> Iterator[Fault]:
-    """What instances and planners say that no trial can be told: a row of the ledger is JSON."""
+    """Names that stand for others, and what no trial can be told: a row of the ledger is JSON."""
     for kind, said in (("instances", file.instances), ("planners", file.planners)):
         yield from _no_json(path, (kind,), said)
+        for name in said:
+            if "*" in name or "?" in name:  # a table that asks for "*" would get the one of that name alone
+                expected = "expected no * or ?: in a table they stand for any text"
+                yield Fault(str(path), f"{kind}.{name}", f"the name {_short(name)} came", expected)
     for name, told in file.planners.items():
         try:
             OfCampaign.model_validate({key: value for key, value in told.items() if key in OURS})

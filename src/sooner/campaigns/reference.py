@@ -91,7 +91,9 @@ def reference_page() -> str:
         "The ledger, `trials.sqlite`, keeps a row for each trial. A study may grow: more seeds, budgets, instances or "
         "planners are flown beside those that are there. A planner or instance whose braces change is another case and "
         "is flown anew. Another title is another study.",
-        f"## `[instances]`, `[planners]`\n\n`name = {{ ... }}`, at least one of each.\n\n{_FLIGHT}",
+        "## `[instances]`, `[planners]`",
+        "`name = { ... }`, at least one of each; no `*` or `?` in a name.",
+        _FLIGHT,
         "These keys of a planner are for the campaign, whatever the trial:",
         keys_table(OfCampaign, words),
         f"## `[limits]`\n\n{about(OfTrial)}\n\n{keys_table(OfTrial, words)}",
