@@ -13,7 +13,10 @@ COLUMNS = 12
 def region_world(
     seed: int = 0, n_regions: int = 4, budget: float = 40.0, extra: int = 2, legs: bool = False, ends: bool = False
 ) -> SearchProblem:
-    """A connected graph over a strip of cells; searches cover their region, edges a bit of both."""
+    """A connected graph over a strip of cells; searches cover their region, edges a bit of both.
+
+    Where the seed is odd, an action looks twice or three times at some of its cells.
+    """
     rng = np.random.default_rng(seed)
     width = 6
     grid = Grid((4, width * n_regions))
@@ -46,9 +49,10 @@ def region_world(
             paths.append(centres[[region, region]])
             seconds.append(0.5)
     starts = np.concatenate([[0], np.cumsum([len(cells) for cells in covers])])
-    cells = np.concatenate(covers).astype(np.int32)
+    cells = np.concatenate([np.sort(cells) for cells in covers]).astype(np.int32)
     when = rng.uniform(0, 1, len(cells)).astype(np.float32)
     footprints = Footprints(starts, cells, when, 1 - when)
+    footprints = looking_again(footprints, seed) if seed % 2 else footprints
     graph = RegionGraph(n_regions, edges, np.array(seconds), tuple(paths), footprints, labels)
     atoms = atoms_of(footprints, grid.n_cells)
     gains = cell_gains(grid, rng)
@@ -59,6 +63,17 @@ def region_world(
     return SearchProblem(
         grid, atom_gains(atoms, lambda asked: gains.of(asked[:, None], np.arange(COLUMNS))), (searcher,)
     )
+
+
+def looking_again(footprints: Footprints, seed: int) -> Footprints:
+    """The same, with some cells looked at twice or three times in an action, one time unit apart."""
+    rng = np.random.default_rng(1000 + seed)
+    times = rng.choice(3, len(footprints.cells), p=[0.6, 0.3, 0.1]) + 1
+    which = np.repeat(np.arange(len(times)), times)
+    later = (np.arange(len(which)) - np.repeat(np.cumsum(times) - times, times)).astype(np.float32)
+    starts = np.concatenate([[0], np.cumsum(times)])[footprints.starts]
+    seconds, back = footprints.seconds[which] + later, footprints.back_s[which] + later
+    return Footprints(starts, footprints.cells[which], seconds, back)
 
 
 def cell_gains(grid: Grid, rng: np.random.Generator) -> Gains:

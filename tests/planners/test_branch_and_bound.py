@@ -129,7 +129,7 @@ def test_g_of_the_start_is_the_relaxation_and_apart_never_less():
         found = []
         for apart in (False, True):
             plain = arrays(ground)
-            places, rates = plain[-1].copy(), np.empty(ground.n_actions)
+            places, rates = plain[14].copy(), np.empty(ground.n_actions)
             _rates(plain, places, rates)
             picks = np.empty(ground.n_actions, np.int64)
             found.append(most(plain, places, rates, ground.leg_value, ground.limit_s, -inf, apart, picks))

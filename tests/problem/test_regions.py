@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sooner.decomposition.boustrophedon import boustrophedon
+from sooner.decomposition.regions import Regions
 from sooner.errors import IllegalPlanError, InfeasibleProblemError, InvalidProblemError
 from sooner.grid import Grid
 from sooner.motion.kinematics import Dynamics
@@ -13,6 +14,7 @@ from sooner.motion.trajectory import integrated
 from sooner.problem import Gains, Plan, evaluate
 from sooner.problem.atoms import Footprints, atom_gains, atoms_of
 from sooner.problem.region_problem import PRESET_A, Sweep, region_problem, two_searches_s
+from sooner.sensors.footprint import cell_passes
 from tests.planners.region_worlds import COLUMNS, cell_gains, region_world
 
 
@@ -66,17 +68,17 @@ def test_atoms_are_worth_what_their_cells_are_worth_one_by_one(seed, legs):
 @given(seed=st.integers(0, 10_000))
 def test_cells_are_of_one_atom_just_where_the_same_actions_look_at_them(seed):
     rng = np.random.default_rng(seed)
-    covers = [np.flatnonzero(rng.random(30) < 0.4) for _ in range(5)]
+    covers = [np.repeat(np.arange(30), rng.choice(3, 30, p=[0.5, 0.35, 0.15])) for _ in range(5)]
     starts = np.concatenate([[0], np.cumsum([len(cover) for cover in covers])])
     cells = np.concatenate(covers).astype(np.int32)
     zero = np.zeros(len(cells), np.float32)
     atoms = atoms_of(Footprints(starts, cells, zero, zero), 30)
-    sets = [frozenset(number for number, cover in enumerate(covers) if cell in cover) for cell in range(30)]
+    sets = [tuple((cover == cell).sum() for cover in covers) for cell in range(30)]
     for one in range(30):
         for other in range(30):
             same = atoms.of_cell[one] == atoms.of_cell[other]
-            assert same == (sets[one] == sets[other] or (not sets[one] and not sets[other]))
-    assert atoms.sizes.sum() == sum(bool(each) for each in sets)
+            assert same == (sets[one] == sets[other])
+    assert atoms.sizes.sum() == sum(any(each) for each in sets)
 
 
 def test_what_an_atom_pays_never_rises_and_is_clamped_beyond_its_table():
@@ -97,6 +99,41 @@ def test_actions_integrated_in_small_steps_end_where_and_when_they_say(sweep):
         assert max(flown.end_m, flown.end_mps) < 1e-3 * max(flight.length_m, 1.0)
         assert flown.top_mps < 2.0 + 1e-4
         assert flown.top_mps2 < 2.0 + 1e-4
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10_000), spacing_m=st.sampled_from([8.8, 17.6]))
+def test_no_plan_is_credited_with_more_passes_than_its_flight_makes(seed, spacing_m):
+    problem, _ = posed(start=(2, 3), end=(20, 36), sweep=Sweep(spacing_m=spacing_m))
+    moves, plan = problem.searcher.moves, a_walk(problem, 12, seed).actions[0]
+    credited = moves.cell_looks(problem.grid, plan)
+    cells = cell_passes(problem.grid, moves.path(plan), 8.8)[0]
+    made = np.bincount(cells, minlength=problem.grid.n_cells)
+    never_out = np.zeros(problem.grid.n_cells, np.int64)
+    for action in plan.tolist():
+        if action < moves.graph.n_regions:
+            path = moves.graph.paths[action]
+            seen, began, ended = cell_passes(problem.grid, path, 8.8)
+            whole = (began <= 1e-6) & (ended >= np.hypot(*np.diff(path, axis=0).T).sum() - 1e-6)
+            never_out += np.bincount(seen[whole], minlength=problem.grid.n_cells)
+    assert (credited <= made + never_out).all()
+    assert credited.sum() > 0.6 * made.sum()
+
+
+def test_a_finer_cut_is_credited_for_what_is_flown_not_for_the_number_of_regions():
+    grid = Grid((30, 60), "square8", 2.2)
+    whole = Regions.from_labels(grid, np.zeros(grid.shape, np.int32))
+    halves = Regions.from_labels(grid, np.repeat([[0, 1]], 30, axis=1).repeat(30, axis=0).astype(np.int32))
+    gains = Gains(np.ones((grid.n_cells, 40)), np.zeros(grid.n_cells))  # each look pays one
+    rates = {}
+    for looks in ("passes", "actions"):
+        for name, regions in (("whole", whole), ("halves", halves)):
+            moves = region_problem(grid, regions, Sweep(looks=looks), gains, [(15, 30)], 1e5).searcher.moves
+            searches = np.arange(moves.graph.n_regions)
+            credited = sum(len(moves.graph.footprints.of(search)) for search in searches)
+            rates[looks, name] = credited / moves.graph.seconds[searches].sum()
+    assert rates["passes", "halves"] == pytest.approx(rates["passes", "whole"], rel=0.05)
+    assert rates["actions", "halves"] > 1.02 * rates["actions", "whole"]
 
 
 def test_looks_come_in_the_order_of_time_and_within_the_plan():

@@ -9,6 +9,7 @@ from sooner.errors import InvalidProblemError, UnsupportedProblemError
 from sooner.grid import Grid
 from sooner.motion import Dynamics, rounded
 from sooner.sensors import swept_cells
+from sooner.sensors.footprint import cell_passes
 
 
 def legs(way: np.ndarray) -> list:
@@ -57,6 +58,33 @@ def test_cells_are_those_within_the_radius_of_the_polyline(sweep, radius: float)
     assert free_m.tolist() == first_m[grid.passable[cells]].tolist()
 
 
+@settings(max_examples=100)
+@given(sweep=sweeps(), radius=st.sampled_from([0.75, 1.0, 2.0, 4.0]) | st.floats(0.75, 6.0))
+def test_passes_are_the_stretches_of_the_polyline_in_view(sweep, radius: float) -> None:
+    grid, way = sweep
+    radius *= grid.cell_m
+    cells, comes, goes = cell_passes(grid, way, radius)
+    seen, first_m = swept_cells(grid, way, radius)
+    assert np.unique(cells).tolist() == seen.tolist()
+    assert comes[np.searchsorted(cells, seen)] == pytest.approx(first_m, abs=1e-6)
+    lengths = np.array([np.hypot(*(b - a)) for a, b in legs(way)])
+    assert (comes >= 0).all()
+    assert (comes <= goes + 1e-9).all()
+    assert (goes <= lengths.sum() + 1e-6).all()
+    again = np.flatnonzero(cells[1:] == cells[:-1])
+    assert (comes[again + 1] > goes[again]).all()
+    bounds = np.concatenate([[0.0], np.cumsum(lengths)])
+    for metres in np.random.default_rng(0).uniform(0, lengths.sum(), 20):
+        leg = min(int(np.searchsorted(bounds, metres, "right")) - 1, len(lengths) - 1)
+        a, b = legs(way)[leg]
+        here = a + (b - a) * ((metres - bounds[leg]) / lengths[leg] if lengths[leg] else 0.0)
+        apart = np.hypot(*(grid.centres_m - here).T)
+        inside = np.unique(cells[(comes <= metres) & (metres <= goes)])
+        free = grid.passable
+        assert set(np.flatnonzero(free & (apart < radius - 1e-4))) <= set(inside.tolist())
+        assert set(inside.tolist()) <= set(np.flatnonzero(free & (apart < radius + 1e-4)))
+
+
 @settings(max_examples=60)
 @given(sweep=sweeps(), radius=st.sampled_from([0.0, 0.3, 0.5, 0.7]))
 def test_a_small_radius_sees_the_cells_below_as_well(sweep, radius: float) -> None:
@@ -67,7 +95,7 @@ def test_a_small_radius_sees_the_cells_below_as_well(sweep, radius: float) -> No
     allowed, flown, ends = set(expected), 0.0, []
     for a, b in legs(way):
         long = np.hypot(*(b - a))
-        for share in np.linspace(0, 1, 60):
+        for share in np.linspace(0, 1, 500):
             east, north = (a + share * (b - a)) / grid.cell_m
             row, col = grid.shape[0] - 1 - north + 0.5, east + 0.5
             for r, c in itertools.product((row - 1e-6, row + 1e-6), (col - 1e-6, col + 1e-6)):
@@ -80,7 +108,7 @@ def test_a_small_radius_sees_the_cells_below_as_well(sweep, radius: float) -> No
                         ends.append((cell, flown + share * long))
         flown += long
     assert expected <= set(cells.tolist())
-    assert len(set(cells.tolist()) - allowed) <= 2 * len(way)  # slivers that sixty samples of a leg step over
+    assert len(set(cells.tolist()) - allowed) <= 2 * len(way)  # slivers that samples of a leg step over
     when = dict(zip(cells.tolist(), first_m, strict=True))
     assert all(when[cell] <= at + 1e-6 for cell, at in ends)
 

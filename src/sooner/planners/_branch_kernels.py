@@ -4,9 +4,11 @@ ground : tuple of arrays
     seconds (A,), inverse (A,) = 1 / seconds, ends (A, 2), way_starts (R + 1,), ways, to_last (R,)    what can be flown
     starts (A + 1,), atoms, cover_starts (K + 1,), covers, shares = inverse[covers]      who looks at what
     pay, less, sums, rows                                                                what that pays
+    before, repeats (C,), cover_before (C,)     looks at an atom that the same action takes before, and in all
 places (K,) : where each atom stands in `pay`, the gains of all atoms end to end: rows[k] is the place of its first
-    look, one further on is that of its second. The last place of a row pays nothing, and nobody goes beyond it:
-    an atom moves on only while it pays. less[p] = pay[p] - pay[p + 1]; sums[p] is what the looks before p have paid.
+    look, one further on is that of its second. The last places of a row pay nothing, as many as an action takes looks
+    at an atom, and nobody goes beyond them: an atom moves on only while it pays. less[p] = pay[p] - pay[p + 1];
+    sums[p] is what the looks before p have paid.
 rates (A,) : what each action would pay a second now.
 
 A search keeps its nodes, each a walk, as rows: `links` (N, 3) int32 the node before, its last action, its region;
@@ -48,18 +50,18 @@ def _where(rates, rate):
 @njit(cache=True, nogil=True)
 def _rates(ground, places, rates):
     """What every action pays a second."""
-    _, inverse, _, _, _, _, starts, atoms, _, _, _, pay, _, _, _ = ground
+    _, inverse, _, _, _, _, starts, atoms, _, _, _, pay, _, _, _, before, _, _ = ground
     for action in range(len(rates)):
         total = 0.0
         for entry in range(starts[action], starts[action + 1]):
-            total += pay[places[atoms[entry]]]
+            total += pay[places[atoms[entry]] + before[entry]]
         rates[action] = total * inverse[action]
 
 
 @njit(cache=True, nogil=True)
 def _fly(ground, places, rates, action):
     """Look where an action looks: answers what it pays, and takes from all rates what is no longer to be had."""
-    _, _, _, _, _, _, starts, atoms, cover_starts, covers, shares, pay, less, _, _ = ground
+    _, _, _, _, _, _, starts, atoms, cover_starts, covers, shares, pay, less, _, _, _, _, cover_before = ground
     total = 0.0
     for entry in range(starts[action], starts[action + 1]):
         atom = atoms[entry]
@@ -67,20 +69,19 @@ def _fly(ground, places, rates, action):
         if pay[place] > 0.0:
             total += pay[place]
             places[atom] = place + 1
-            if less[place] > 0.0:
-                for cover in range(cover_starts[atom], cover_starts[atom + 1]):
-                    rates[covers[cover]] -= less[place] * shares[cover]
+            for cover in range(cover_starts[atom], cover_starts[atom + 1]):
+                rates[covers[cover]] -= less[place + cover_before[cover]] * shares[cover]
     return total
 
 
 @njit(cache=True, nogil=True)
 def _pays(ground, places, action, again):
     """What an action pays after so many more of the same."""
-    _, _, _, _, _, _, starts, atoms, _, _, _, pay, _, _, rows = ground
+    _, _, _, _, _, _, starts, atoms, _, _, _, pay, _, _, rows, before, repeats, _ = ground
     total, last = 0.0, len(pay) // len(rows) - 1
     for entry in range(starts[action], starts[action + 1]):
         atom = atoms[entry]
-        total += pay[min(places[atom] + again, rows[atom] + last)]
+        total += pay[min(places[atom] + again * repeats[entry] + before[entry], rows[atom] + last)]
     return total
 
 
@@ -204,7 +205,7 @@ def _opened(ground, region, left, state, shuffled, found):
 @njit(cache=True, nogil=True)
 def _replayed(ground, links, node, places):
     """Places of all atoms after the walk of a node."""
-    _, _, _, _, _, _, starts, atoms, _, _, _, pay, _, _, rows = ground
+    _, _, _, _, _, _, starts, atoms, _, _, _, pay, _, _, rows, _, _, _ = ground
     places[:] = rows
     while node > 0:
         action = links[node, ACTION]
@@ -292,7 +293,7 @@ def _left(ground, counts, more, limit):
 @njit(cache=True, nogil=True)
 def _placed(ground, counts, places):
     """Places of all atoms after actions flown so often."""
-    _, _, _, _, _, _, starts, atoms, _, _, _, pay, _, _, rows = ground
+    _, _, _, _, _, _, starts, atoms, _, _, _, pay, _, _, rows, _, _, _ = ground
     last = len(pay) // len(rows) - 1
     places[:] = rows
     for action in range(len(counts)):

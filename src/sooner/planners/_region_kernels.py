@@ -1,7 +1,8 @@
 """Loops over actions and atoms for planners over regions: plain arrays in, plain arrays out.
 
 `looks` (K,) counts looks at each atom; `gains` (K, L + 1) pays by that count, and its last column is zero, so that a
-count beyond L, clamped, pays nothing.
+count beyond L, clamped, pays nothing. An action that looks at an atom more than once has an entry for each look, and
+`before` (C,) says how many of them came before: 0, 1, 2, ... in order.
 """
 
 from __future__ import annotations
@@ -19,11 +20,11 @@ def pays(gains, atom, look):
 
 
 @njit(cache=True, nogil=True)
-def reward(starts, atoms, gains, looks, action):
+def reward(starts, atoms, before, gains, looks, action):
     """What an action would pay now."""
     total = 0.0
     for entry in range(starts[action], starts[action + 1]):
-        total += pays(gains, atoms[entry], looks[atoms[entry]])
+        total += pays(gains, atoms[entry], looks[atoms[entry]] + before[entry])
     return total
 
 
@@ -39,7 +40,9 @@ def fly(starts, atoms, gains, looks, action):
 
 
 @njit(cache=True, nogil=True)
-def relaxed(starts, atoms, cover_starts, covers, seconds, gains, looks, time_left, counts):
+def relaxed(
+    starts, atoms, before, cover_starts, covers, cover_before, seconds, gains, looks, time_left, counts
+):  # fmt: skip
     """Actions picked by rate, from anywhere, until the time is used up, the last one in part [Kuhlman2017, eq. (4)].
 
     looks (K,) is changed; counts (A,) receives how often each action was picked whole. Answers what they pay.
@@ -47,7 +50,7 @@ def relaxed(starts, atoms, cover_starts, covers, seconds, gains, looks, time_lef
     n_actions = len(seconds)
     rewards = np.empty(n_actions)
     for action in range(n_actions):
-        rewards[action] = reward(starts, atoms, gains, looks, action)
+        rewards[action] = reward(starts, atoms, before, gains, looks, action)
     total = 0.0
     while True:
         best, rate = -1, 0.0
@@ -63,15 +66,16 @@ def relaxed(starts, atoms, cover_starts, covers, seconds, gains, looks, time_lef
         total += rewards[best]
         for entry in range(starts[best], starts[best + 1]):
             atom = atoms[entry]
-            less = pays(gains, atom, looks[atom]) - pays(gains, atom, looks[atom] + 1)
+            look = looks[atom]
             looks[atom] += 1
-            if less != 0.0:
+            if pays(gains, atom, look) > 0.0:
                 for other in range(cover_starts[atom], cover_starts[atom + 1]):
-                    rewards[covers[other]] -= less
+                    next_look = look + cover_before[other]
+                    rewards[covers[other]] -= pays(gains, atom, next_look) - pays(gains, atom, next_look + 1)
 
 
 @njit(cache=True, nogil=True)
-def greedy(starts, atoms, way_starts, ways, ends, seconds, gains, looks, first, time_left, to_last, actions):
+def greedy(starts, atoms, before, way_starts, ways, ends, seconds, gains, looks, first, time_left, to_last, actions):
     """The open action of the best rate, ties by what it pays, until none fits [Kuhlman2017, sec. 4.1].
 
     Fills `actions`; answers how many.
@@ -84,7 +88,7 @@ def greedy(starts, atoms, way_starts, ways, ends, seconds, gains, looks, first, 
             there = ends[action, 0] + ends[action, 1] - here
             if seconds[action] + to_last[there] > time_left + IN_TIME:
                 continue
-            gained = reward(starts, atoms, gains, looks, action)
+            gained = reward(starts, atoms, before, gains, looks, action)
             rate = gained / seconds[action]
             if rate > best_rate or (rate == best_rate and gained > best_reward):
                 best, best_rate, best_reward = action, rate, gained

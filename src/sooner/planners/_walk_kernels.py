@@ -2,6 +2,7 @@
 
 left (A,) int64        how often each action is still to be flown; a < R searches region a, from anywhere to itself
 looks (K,) int64       looks at each atom so far
+before (C,) int64      looks that an action has taken at the atom of each of its entries
 sum over actions of gain times the middle of its time, in gain seconds, is what an early walk has little of.
 """
 
@@ -24,12 +25,12 @@ def _look(starts, atoms, gains, looks, action):
 
 
 @njit(cache=True, nogil=True)
-def _would_pay(starts, atoms, gains, looks, action):
+def _would_pay(starts, atoms, before, gains, looks, action):
     """What an action would pay now."""
     last = gains.shape[1] - 1
     value = 0.0
     for entry in range(starts[action], starts[action + 1]):
-        value += gains[atoms[entry], min(looks[atoms[entry]], last)]
+        value += gains[atoms[entry], min(looks[atoms[entry]] + before[entry], last)]
     return value
 
 
@@ -66,7 +67,9 @@ def _may_leave(way_starts, ways, ends, left, marks, stack, here, action):
 
 
 @njit(cache=True, nogil=True)
-def _next(starts, atoms, way_starts, ways, ends, seconds, gains, left, looks, here, far, worth, first, open_regions):
+def _next(
+    starts, atoms, before, way_starts, ways, ends, seconds, gains, left, looks, here, far, worth, first, open_regions
+):  # fmt: skip
     """The search here, or else the first edge of the way to the search that pays most a second, ways included.
 
     Regions are asked in the order in which they are reached, the nearest `NEAR` and on to the first that can be
@@ -85,7 +88,7 @@ def _next(starts, atoms, way_starts, ways, ends, seconds, gains, left, looks, he
         open_regions[nearest], open_regions[settled] = open_regions[settled], region
         settled += 1
         if left[region] > 0:
-            paid = worth[region] + _would_pay(starts, atoms, gains, looks, region)
+            paid = worth[region] + _would_pay(starts, atoms, before, gains, looks, region)
             rate = paid / (far[region] + seconds[region])
             if rate > best:
                 best, choice = rate, region if first[region] < 0 else first[region]
@@ -97,7 +100,7 @@ def _next(starts, atoms, way_starts, ways, ends, seconds, gains, left, looks, he
                     open_regions[size] = there
                     size += 1
                 far[there] = far[region] + seconds[action]
-                worth[there] = worth[region] + _would_pay(starts, atoms, gains, looks, action)
+                worth[there] = worth[region] + _would_pay(starts, atoms, before, gains, looks, action)
                 first[there] = action if first[region] < 0 else first[region]
     for n in range(size):
         far[open_regions[n]] = np.inf
@@ -105,7 +108,7 @@ def _next(starts, atoms, way_starts, ways, ends, seconds, gains, left, looks, he
 
 
 @njit(cache=True, nogil=True)
-def order(starts, atoms, way_starts, ways, ends, seconds, gains, start, counts, walk):
+def order(starts, atoms, before, way_starts, ways, ends, seconds, gains, start, counts, walk):
     """Fill `walk` with all the counted actions, what pays most a second first, as far as one walk can have it."""
     n_regions = len(way_starts) - 1
     left = counts.astype(np.int64)
@@ -116,8 +119,8 @@ def order(starts, atoms, way_starts, ways, ends, seconds, gains, start, counts, 
     here = start
     for step in range(len(walk)):
         action = _next(
-            starts, atoms, way_starts, ways, ends, seconds, gains, left, looks, here, far, worth, first, stack
-        )
+            starts, atoms, before, way_starts, ways, ends, seconds, gains, left, looks, here, far, worth, first, stack
+        )  # fmt: skip
         if action != here and (action < 0 or not _may_leave(way_starts, ways, ends, left, marks, stack, here, action)):
             action = -1
             for way in range(way_starts[here] + 1, way_starts[here + 1]):

@@ -178,15 +178,18 @@ def best_walks(problem: SearchProblem, records: Iterable[Searched]) -> Iterator[
 
 def arrays(ground: RegionGround) -> tuple[NDArray[Any], ...]:
     """The ground as the kernels of branch and bound take it."""
-    starts, atoms, cover_starts, covers, way_starts, ways, ends = ground.arrays
     inverse = 1.0 / ground.seconds
-    less = -np.diff(ground.gains, axis=1, append=0.0)
-    sums = np.cumsum(ground.gains, axis=1) - ground.gains
-    rows = np.arange(len(ground.gains)) * ground.gains.shape[1]
+    gains = np.pad(ground.gains, ((0, 0), (0, int(ground.before.max(initial=0)))))
+    less = -np.diff(gains, axis=1, append=0.0)
+    sums = np.cumsum(gains, axis=1) - gains
+    rows = np.arange(len(gains)) * gains.shape[1]
+    looks = np.repeat(np.arange(ground.n_actions), np.diff(ground.starts)) * len(gains) + ground.atoms
+    _, which, repeats = np.unique(looks, return_inverse=True, return_counts=True)
     return (
-        ground.seconds, inverse, ends, way_starts, ways, ground.to_last,
-        starts, atoms, cover_starts, covers, inverse[covers],
-        np.ravel(ground.gains), np.ravel(less), np.ravel(sums), rows,
+        ground.seconds, inverse, ground.ends, ground.way_starts, ground.ways, ground.to_last,
+        ground.starts, ground.atoms, ground.cover_starts, ground.covers, inverse[ground.covers],
+        np.ravel(gains), np.ravel(less), np.ravel(sums), rows,
+        ground.before, repeats[which], ground.cover_before,
     )  # fmt: skip
 
 

@@ -43,10 +43,10 @@ def relaxation(ground: RegionGround) -> tuple[float, NDArray[np.int64]]:
     """
     from sooner.planners._region_kernels import relaxed
 
-    starts, atoms, cover_starts, covers, *_ = ground.arrays
     looks, counts = np.zeros(len(ground.gains), np.int64), np.zeros(ground.n_actions, np.int64)
     value = relaxed(
-        starts, atoms, cover_starts, covers, ground.seconds, ground.gains, looks, ground.limit_s, counts
+        ground.starts, ground.atoms, ground.before, ground.cover_starts, ground.covers, ground.cover_before,
+        ground.seconds, ground.gains, looks, ground.limit_s, counts,
     )  # fmt: skip
     return ground.leg_value + value, counts
 

@@ -34,7 +34,7 @@ class RegionGreedy:
         looks = np.zeros(len(ground.gains), np.int64)
         actions = np.empty(int(ground.limit_s / ground.seconds.min()) + 1, np.int64)
         count = greedy(
-            starts, atoms, way_starts, ways, ends, ground.seconds, ground.gains, looks,
+            starts, atoms, ground.before, way_starts, ways, ends, ground.seconds, ground.gains, looks,
             ground.first, ground.limit_s, ground.to_last, actions,
         )  # fmt: skip
         flown = actions[:count].tolist()

@@ -55,7 +55,9 @@ def early_order(ground: RegionGround, counts: NDArray[np.int32], work: int = WOR
 
     walk = np.empty(int(counts.sum()), np.int64)
     starts, atoms, _, _, way_starts, ways, ends = ground.arrays
-    order(starts, atoms, way_starts, ways, ends, ground.seconds, ground.gains, ground.first, counts, walk)
+    order(
+        starts, atoms, ground.before, way_starts, ways, ends, ground.seconds, ground.gains, ground.first, counts, walk
+    )
     improve(starts, atoms, ends, ground.seconds, ground.gains, ground.first, walk, REACH, work)
     found: list[int] = walk.tolist()
     return found

@@ -6,11 +6,11 @@ from numba import njit
 
 
 @njit(cache=True)
-def mix_numbers(starts, cells, numbers, mixed):
-    """Mix each action's number, bit by bit, into the cells that it looks at."""
+def add_numbers(starts, cells, numbers, sums):
+    """Add each action's number to the cells that it looks at, once for each look; modulo 2^64."""
     for action in range(len(starts) - 1):
         for entry in range(starts[action], starts[action + 1]):
-            mixed[cells[entry]] ^= numbers[action]
+            sums[cells[entry]] += numbers[action]
 
 
 @njit(cache=True)

@@ -1,13 +1,13 @@
 """Atoms: cells that the same actions look at, so that the cost of planning does not grow with the resolution.
 
-Where each action looks at a cell at most once, what a plan collects depends only on how often each action is flown.
-Cells that are covered by the same set of actions are then looked at equally often, whatever the plan, and can be
-counted together: gain(atom, k) = sum over its cells of gain(cell, k). That is exact, for any gains of the cells.
+Where each action looks at a cell a given number of times, what a plan collects depends only on how often each action
+is flown. Cells that the same actions look at as often as one another are then looked at equally often, whatever the
+plan, and can be counted together: gain(atom, k) = sum over its cells of gain(cell, k). That is exact, for any gains.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,8 +31,8 @@ class Footprints:
     Parameters
     ----------
     starts : (A + 1,) int       action a has the entries starts[a] to starts[a + 1]
-    cells : (M,) int32          each at most once in an action
-    seconds : (M,) float32      until the cell is first seen
+    cells : (M,) int32          ascending in each action, each as often as the action looks at it
+    seconds : (M,) float32      until the cell is seen, for each of its looks in order
     back_s : (M,) float32       the same where the action is flown the other way
     """
 
@@ -47,7 +47,7 @@ class Footprints:
         return len(self.starts) - 1
 
     def of(self, action: int) -> NDArray[np.int32]:
-        """Cells that an action looks at."""
+        """Cells that an action looks at, each as often as it does."""
         return self.cells[self.starts[action] : self.starts[action + 1]]
 
 
@@ -60,7 +60,8 @@ class Atoms:
     of_cell : (N,) int32        atom of each cell, -1 where no action looks
     sizes : (K,) int            cells in each atom
     starts : (A + 1,) int       action a covers the entries starts[a] to starts[a + 1]
-    covered : (C,) int          atoms, in the order in which they are seen
+    covered : (C,) int          atoms, in the order in which they are seen, each as often as it is
+    before : (C,) int           looks at that atom that the same action has taken before
     seconds : (C,) float        after the action began, until the mean cell of the atom is seen
     back_s : (C,) float         the same where the action is flown the other way
     """
@@ -69,6 +70,7 @@ class Atoms:
     sizes: NDArray[np.int64]
     starts: NDArray[np.int64]
     covered: NDArray[np.int64]
+    before: NDArray[np.int64]
     seconds: NDArray[np.float64]
     back_s: NDArray[np.float64]
 
@@ -78,16 +80,16 @@ class Atoms:
         return len(self.sizes)
 
     def of(self, action: int) -> NDArray[np.int64]:
-        """Atoms that an action covers."""
+        """Atoms that an action covers, each as often as it looks there."""
         return self.covered[self.starts[action] : self.starts[action + 1]]
 
 
 def atoms_of(footprints: Footprints, n_cells: int) -> Atoms:
-    """Group cells by the set of actions that look at them.
+    """Group cells by the actions that look at them, and how often each does.
 
-    Every action draws a random number of 64 bits, and a cell mixes those of its actions (exclusive or): two cells are
-    of one atom where the mixtures agree. That two different sets agree by chance would be seen: an action must then
-    cover only some cells of an atom, which is checked.
+    Every action draws a random number of 64 bits, and those of all looks at a cell are added up: two cells are of one
+    atom where the sums agree. That they agree by chance would be seen: an action must then look at only some cells of
+    an atom, or more often at some, which is checked.
 
     Examples
     --------
@@ -97,14 +99,14 @@ def atoms_of(footprints: Footprints, n_cells: int) -> Atoms:
     >>> sorted(found.sizes.tolist()), found.of_cell[4], [len(found.of(a)) for a in (0, 1)]
     ([1, 1, 2], np.int32(-1), [2, 2])
     """
-    from sooner.problem._atom_kernels import mix_numbers
+    from sooner.problem._atom_kernels import add_numbers
 
     for seed in range(8):
         numbers = np.random.default_rng(seed).integers(1, 2**63, footprints.n_actions, dtype=np.uint64)
-        mixed = np.zeros(n_cells, np.uint64)
-        mix_numbers(footprints.starts, footprints.cells, numbers, mixed)
-        touched = np.flatnonzero(mixed)
-        _, groups, sizes = np.unique(mixed[touched], return_inverse=True, return_counts=True)
+        sums = np.zeros(n_cells, np.uint64)
+        add_numbers(footprints.starts, footprints.cells, numbers, sums)
+        touched = np.flatnonzero(sums)
+        _, groups, sizes = np.unique(sums[touched], return_inverse=True, return_counts=True)
         of_cell = np.full(n_cells, -1, np.int32)
         of_cell[touched] = groups
         atoms = _covered(footprints, of_cell, sizes)
@@ -115,25 +117,35 @@ def atoms_of(footprints: Footprints, n_cells: int) -> Atoms:
 
 def _covered(footprints: Footprints, of_cell: NDArray[np.int32], sizes: NDArray[np.int64]) -> Atoms | None:
     """What each action covers; None where it covers an atom in part, which only a collision can bring about."""
-    starts, covered, seconds, back = [0], [], [], []
+    starts, parts = [0], []
     for action in range(footprints.n_actions):
         entries = slice(footprints.starts[action], footprints.starts[action + 1])
-        atoms, which, counts = np.unique(of_cell[footprints.cells[entries]], return_inverse=True, return_counts=True)
+        cells = footprints.cells[entries]
+        before = _looks_before(cells)
+        most = int(before.max(initial=0)) + 1
+        found, which, counts = np.unique(of_cell[cells] * most + before, return_inverse=True, return_counts=True)
+        atoms, before = np.divmod(found, most)
         if (counts != sizes[atoms]).any():
             return None
         ahead, behind = (
             np.bincount(which, of[entries], len(atoms)) / counts for of in (footprints.seconds, footprints.back_s)
         )
         order = np.argsort(ahead, kind="stable")
-        covered.append(atoms[order].astype(np.int64))
-        seconds.append(ahead[order])
-        back.append(behind[order])
+        parts.append([each[order] for each in (atoms.astype(np.int64), before.astype(np.int64), ahead, behind)])
         starts.append(starts[-1] + len(atoms))
-    return Atoms(of_cell, np.asarray(sizes), np.array(starts), _joined(covered), _joined(seconds), _joined(back))
+    return Atoms(of_cell, np.asarray(sizes), np.array(starts), *map(_joined, zip(*parts, strict=True)))
 
 
-def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
-    return np.concatenate(parts) if parts else np.zeros(0)
+def _looks_before(cells: NDArray[np.int32]) -> NDArray[np.int64]:
+    """How often each number stood before, in an ascending list."""
+    if (new := np.append(True, cells[1:] != cells[:-1])[: len(cells)]).all():
+        return np.zeros(len(cells), np.int64)
+    places = np.arange(len(cells))
+    return places - np.maximum.accumulate(np.where(new, places, 0))
+
+
+def _joined(parts: Iterable[NDArray[Any]]) -> NDArray[Any]:
+    return np.concatenate(list(parts))
 
 
 def atom_gains(atoms: Atoms, rows: Rows) -> Gains:

@@ -42,10 +42,12 @@ class RegionGround:
     limit_s : float                  time for all actions together
     first, last : int                where the walk begins and ends; last = -1: anywhere
     to_last : (R,) float             seconds of the quickest way to where it ends
-    starts : (A + 1,) int            action a covers atoms[starts[a]:starts[a + 1]]
+    starts : (A + 1,) int            action a covers atoms[starts[a]:starts[a + 1]], each as often as it looks there
     atoms : (C,) int
-    cover_starts : (K + 1,) int      atom k is covered by covers[cover_starts[k]:cover_starts[k + 1]]
+    before : (C,) int                looks at that atom that the same action has taken before; 0, 1, 2, ... in order
+    cover_starts : (K + 1,) int      atom k is covered by covers[cover_starts[k]:cover_starts[k + 1]], one a look
     covers : (C,) int
+    cover_before : (C,) int          looks that the same action has taken before that one
     way_starts : (R + 1,) int        actions that can begin in region r are ways[way_starts[r]:way_starts[r + 1]],
     ways : (R + 2 E,) int            its search first
     gains : (K, L + 1) float         what the k-th look pays once the legs are flown; the last column is zero
@@ -61,8 +63,10 @@ class RegionGround:
     to_last: NDArray[np.float64]
     starts: NDArray[np.int64]
     atoms: NDArray[np.int64]
+    before: NDArray[np.int64]
     cover_starts: NDArray[np.int64]
     covers: NDArray[np.int64]
+    cover_before: NDArray[np.int64]
     way_starts: NDArray[np.int64]
     ways: NDArray[np.int64]
     gains: NDArray[np.float64]
@@ -118,7 +122,8 @@ class RegionGround:
         entries = atoms.starts[count]
         covered, starts = atoms.covered[:entries], atoms.starts[: count + 1]
         legs = np.concatenate([np.zeros(0, np.int64), *(atoms.of(leg) for leg in moves.legs)])
-        cover_starts, covers = _turned(starts, covered, atoms.n_atoms)
+        cover_starts, order = _turned(covered, atoms.n_atoms)
+        actions, before = np.repeat(np.arange(count), np.diff(starts)), atoms.before[:entries]
         ways = [[region, *(action for action, _ in graph.ways[region])] for region in range(graph.n_regions)]
         table = problem.gains.after(np.bincount(legs, minlength=atoms.n_atoms)).table
         return RegionGround(
@@ -131,8 +136,10 @@ class RegionGround:
             to_last=moves.to_last,
             starts=np.ascontiguousarray(starts, np.int64),
             atoms=np.ascontiguousarray(covered, np.int64),
+            before=before,
             cover_starts=cover_starts,
-            covers=covers,
+            covers=actions[order],
+            cover_before=before[order],
             way_starts=np.cumsum([0, *map(len, ways)]),
             ways=np.concatenate(ways).astype(np.int64),
             gains=np.concatenate([table, np.zeros((len(table), 1))], axis=1),
@@ -140,13 +147,10 @@ class RegionGround:
         )
 
 
-def _turned(
-    starts: NDArray[np.int64], atoms: NDArray[np.int64], n_atoms: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """From the atoms of each action to the actions of each atom."""
-    actions = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
-    order = np.argsort(atoms, kind="stable")
-    return np.concatenate([[0], np.cumsum(np.bincount(atoms, minlength=n_atoms))]), actions[order]
+def _turned(atoms: NDArray[np.int64], n_atoms: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Where each atom's entries begin once they are in order of atoms, and that order."""
+    ends = np.cumsum(np.bincount(atoms, minlength=n_atoms))
+    return np.concatenate([[0], ends]), np.argsort(atoms, kind="stable")
 
 
 def _value(problem: SearchProblem, items: NDArray[np.int64]) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,12 @@ from sooner.grid.paths import distances_m, way
 from sooner.motion.kinematics import Dynamics
 from sooner.motion.rounded import rounded
 from sooner.motion.trajectory import Trajectory
-from sooner.problem.atoms import Footprints, Rows, atom_gains, atoms_of
+from sooner.problem.atoms import Footprints, Rows, atom_gains
+from sooner.problem.common_atoms import common_atoms
 from sooner.problem.gains import Gains
 from sooner.problem.regions import RegionGraph, RegionMoves
 from sooner.problem.search_problem import Objective, Searcher, SearchProblem
-from sooner.sensors.footprint import swept_cells
+from sooner.sensors.footprint import cell_passes, swept_cells
 
 __all__ = ["PRESET_A", "PRESET_B", "Place", "Sweep", "region_problem", "two_searches_s"]
 
@@ -36,10 +37,19 @@ class Sweep:
     Parameters
     ----------
     dynamics : Dynamics
-    radius_m : float         cells with their centres so near to the path are looked at, once an action
+    radius_m : float         cells with their centres so near to the path are in view
     spacing_m : float        between plow lines
     taut : bool              ways around obstacles are pulled tight; False: pruned by the paper's rule
     round_turns : bool       plow lines are joined by arcs instead of stops [Kuhlman2017, Fig. 4]
+    looks : str              "passes": a cell is looked at each time that it comes into view, however the ground is
+                             cut into regions; "actions": once in every action that sees it [Kuhlman2017, sec. 6.3]
+
+    Notes
+    -----
+    A flight goes on where one action ends and the next begins, at a region's centre, and so does what is in view
+    there. It is counted once: in a search, which comes back to where it began; not in an edge at all. So no plan is
+    credited with more passes than its flight makes, except that every search looks at the cells that it never lets
+    out of view.
     """
 
     dynamics: Dynamics = field(default_factory=lambda: Dynamics(2.0, 2.0))
@@ -47,11 +57,14 @@ class Sweep:
     spacing_m: float = 8.8
     taut: bool = True
     round_turns: bool = False
+    looks: Literal["passes", "actions"] = "passes"
 
     def __post_init__(self) -> None:
         for name in ("radius_m", "spacing_m"):
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
                 raise InvalidProblemError(f"{name} = {getattr(self, name)} came; expected a positive number")
+        if self.looks not in ("passes", "actions"):
+            raise InvalidProblemError(f"looks = {self.looks!r} came; expected 'passes' or 'actions'")
 
     def flight(self, path: NDArray[np.float64]) -> Trajectory:
         """The path as it is flown."""
@@ -64,15 +77,15 @@ class Sweep:
         return min(coverage_paths(grid, regions, region, self.spacing_m), key=lambda path: self.flight(path).duration)
 
 
-PRESET_A = Sweep(Dynamics(2.0, 2.0), taut=False)
-PRESET_B = Sweep(Dynamics(1.25, 1.25), spacing_m=17.6, taut=False)
+PRESET_A = Sweep(Dynamics(2.0, 2.0), taut=False, looks="actions")
+PRESET_B = Sweep(Dynamics(1.25, 1.25), spacing_m=17.6, taut=False, looks="actions")
 """What the paper leaves open, chosen so that its times (A) or its search efforts (B) come out."""
 
 
 def region_problem(
     grid: Grid,
     regions: Regions,
-    sweep: Sweep,
+    sweep: Sweep | Sequence[Sweep],
     gains: Gains | Rows,
     starts: Sequence[Place],
     budget_s: float | Sequence[float],
@@ -84,6 +97,7 @@ def region_problem(
     Parameters
     ----------
     grid : Grid                square cells, 8 neighbours: ways between regions go diagonally
+    sweep : Sweep or many      of all searchers, or of each: those who fly alike share a graph
     gains : Gains or callable  what looks at cells pays: (N, L), or a function of cell numbers (n,) that answers (n, L)
     starts : of (row, col)     one for each searcher; its walk begins at the centre of the nearest region
     budget_s : float or many   seconds of each searcher
@@ -96,19 +110,27 @@ def region_problem(
     """
     homes = list(ends or [None] * len(starts))
     budgets = [float(budget_s)] * len(starts) if np.isscalar(budget_s) else list(map(float, budget_s))  # type: ignore
-    if not len(starts) == len(homes) == len(budgets):
+    sweeps = [sweep] * len(starts) if isinstance(sweep, Sweep) else list(sweep)
+    if not len(starts) == len(homes) == len(budgets) == len(sweeps):
         raise InvalidProblemError(
-            f"{len(starts)} starts, {len(homes)} ends and {len(budgets)} budgets came; expected as many of each"
+            f"{len(starts)} starts, {len(homes)} ends, {len(budgets)} budgets and {len(sweeps)} sweeps came; "
+            "expected as many of each"
         )
-    graph, places = _graph(grid, regions, sweep, [*starts, *homes])
-    atoms = atoms_of(graph.footprints, grid.n_cells)
+    flying = {kind: [n for n, each in enumerate(sweeps) if each == kind] for kind in dict.fromkeys(sweeps)}
+    flown = [
+        _graph(grid, regions, kind, [starts[n] for n in team] + [homes[n] for n in team])
+        for kind, team in flying.items()
+    ]
+    shared = common_atoms([graph.footprints for graph, _ in flown], grid.n_cells)
+    of_kind = {kind: (*own, atoms) for kind, own, atoms in zip(flying, flown, shared, strict=True)}
     searchers = []
-    for start, end, budget in zip(starts, homes, budgets, strict=True):
+    for kind, start, end, budget in zip(sweeps, starts, homes, budgets, strict=True):
+        graph, places, atoms = of_kind[kind]
         first, depart = places[start]
         last, back = (-1, -1) if end is None else (places[end][0], places[end][1] + 1 if places[end][1] >= 0 else -1)
         searchers.append(Searcher(start, budget, end, RegionMoves(graph, atoms, first, last, depart, back)))
     rows = _rows(gains) if isinstance(gains, Gains) else gains
-    return SearchProblem(grid, atom_gains(atoms, rows), tuple(searchers), objective or Objective())
+    return SearchProblem(grid, atom_gains(shared[0], rows), tuple(searchers), objective or Objective())
 
 
 def two_searches_s(problem: SearchProblem) -> float:
@@ -140,9 +162,11 @@ def _graph(
         places[place] = region, len(paths)
         there = way(grid, cell, int(centres[region]), sweep.taut)
         paths += [there, there[::-1]]
+    kinds = ["search"] * regions.n_regions + ["edge"] * len(regions.adjacency)
+    kinds += ["depart", "back"] * ((len(paths) - len(kinds)) // 2)
     flights = [sweep.flight(path) for path in paths]
     seconds = np.array([flight.duration for flight in flights])
-    footprints = _footprints(grid, sweep, flights)
+    footprints = _footprints(grid, sweep, flights, kinds)
     graph = RegionGraph(
         regions.n_regions, regions.adjacency, _searchable(seconds, sweep), tuple(paths), footprints, regions.labels
     )
@@ -169,22 +193,44 @@ def _region_of(grid: Grid, regions: Regions, cell: int) -> int:
     return int(regions.labels.ravel()[nearest])
 
 
-def _footprints(grid: Grid, sweep: Sweep, flights: Sequence[Trajectory]) -> Footprints:
+def _footprints(grid: Grid, sweep: Sweep, flights: Sequence[Trajectory], kinds: Sequence[str]) -> Footprints:
     starts = [0]
     cells: list[NDArray[np.int32]] = []
     ahead: list[NDArray[np.float32]] = []
     behind: list[NDArray[np.float32]] = []
-    for flight in flights:
+    for flight, kind in zip(flights, kinds, strict=True):
         points, flown_m = flight.polyline()
         chords_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-        seen, first_m = swept_cells(grid, points, sweep.radius_m)
-        _, back_m = swept_cells(grid, points[::-1], sweep.radius_m)
+        seen, comes_m, goes_m = (_in_view if sweep.looks == "actions" else _passes)(grid, sweep, points, kind)
         cells.append(seen.astype(np.int32))
-        ahead.append(flight.times_at(np.interp(first_m, chords_m, flown_m)).astype(np.float32))
-        last_s = flight.times_at(np.interp(chords_m[-1] - back_m, chords_m, flown_m))
+        ahead.append(flight.times_at(np.interp(comes_m, chords_m, flown_m)).astype(np.float32))
+        last_s = flight.times_at(np.interp(goes_m, chords_m, flown_m))
         behind.append((flight.duration - last_s).astype(np.float32))
         starts.append(starts[-1] + len(seen))
     return Footprints(np.array(starts), _poured(cells), _poured(ahead), _poured(behind))
+
+
+_Seen = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]
+
+
+def _in_view(grid: Grid, sweep: Sweep, points: NDArray[np.float64], kind: str) -> _Seen:
+    """Cells in view, each once, with the metres at which it first is and last is."""
+    seen, first_m = swept_cells(grid, points, sweep.radius_m)
+    _, back_m = swept_cells(grid, points[::-1], sweep.radius_m)
+    return seen, first_m, float(np.hypot(*np.diff(points, axis=0).T).sum()) - back_m
+
+
+def _passes(grid: Grid, sweep: Sweep, points: NDArray[np.float64], kind: str) -> _Seen:
+    """Cells as often as they come into view, with the metres between which they are; see `Sweep` for the ends."""
+    seen, comes_m, goes_m = cell_passes(grid, points, sweep.radius_m)
+    at_start, at_end = comes_m <= 1e-6, goes_m >= np.hypot(*np.diff(points, axis=0).T).sum() - 1e-6
+    counted = {
+        "search": at_start | ~at_end,
+        "edge": ~at_start & ~at_end,
+        "depart": np.ones(len(seen), bool),
+        "back": ~at_start,
+    }[kind]
+    return seen[counted], comes_m[counted], goes_m[counted]
 
 
 def _poured(parts: list[NDArray[Any]]) -> NDArray[Any]:

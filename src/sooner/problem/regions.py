@@ -200,7 +200,7 @@ class RegionMoves:
             yield self.back, now, False
 
     def looks(self, grid: Grid, searcher: Searcher, actions: NDArray[np.int64]) -> Looks:
-        """Each action looks once at each atom that it covers, when the mean cell of that atom comes into view."""
+        """Each action looks at the atoms that it covers whenever the mean cell of each comes into view."""
         items, times = [np.zeros(0, np.int64)], [np.zeros(0)]
         for action, begun, turned in self.flown(actions):
             entries = slice(self.atoms.starts[action], self.atoms.starts[action + 1])
@@ -214,7 +214,7 @@ class RegionMoves:
         """(N,) int: how often each cell is looked at, counted cell by cell and without atoms."""
         found = np.zeros(grid.n_cells, np.int64)
         for action, _, _ in self.flown(actions):
-            found[self.graph.footprints.of(action)] += 1
+            found += np.bincount(self.graph.footprints.of(action), minlength=grid.n_cells)
         return found
 
     def path(self, actions: Sequence[int] | NDArray[np.int64]) -> NDArray[np.float64]:

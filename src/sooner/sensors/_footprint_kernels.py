@@ -10,6 +10,7 @@ from numba import njit
 
 TOUCH = 1e-9  # cells; farther than the radius by no more than this is still within it
 CROSS = 1e-6  # cells; a leg that is over a cell for less than this does not see it
+AGAIN = 1e-6  # cells; whoever is out of view for less than this is not seen anew
 
 
 @njit(cache=True, nogil=True)
@@ -83,16 +84,14 @@ def _first(down, right, fall, run, length, radius):
 
 
 @njit(cache=True, nogil=True)
-def sweep(places, radius, height, width, passable):
-    """Cells within `radius` of a polyline, and how far along it each is first seen.
+def _slots(spans, width):
+    """Slot of each span's first cell less that cell, so that spans share the slots of their cells; how many in all.
 
-    places : (n, 2) float, n >= 1; passable : (N,) bool, or (0,) for all cells
-    returns cells (m,) int64, ascending, and flown (m,) float in cells. Costs what the covered cells cost, not the map:
-    the legs' columns in each row are sorted and joined to stretches, and only their cells are looked at.
+    The columns that legs may see in each row are sorted and joined to stretches: costs what the covered cells cost,
+    not the map.
     """
-    spans = _spans(places, radius, height, width)
     order = np.argsort(spans[:, 0] * width + spans[:, 1])
-    offset = np.empty(spans.shape[0], np.int64)  # of the stretch's slots, minus its first cell
+    offset = np.empty(spans.shape[0], np.int64)
     total, row, reach, shift = 0, -1, -1, 0
     for q in range(order.shape[0]):
         span = order[q]
@@ -102,6 +101,28 @@ def sweep(places, radius, height, width, passable):
         total += max(spans[span, 2] - reach, 0)
         reach = max(reach, spans[span, 2])
         offset[span] = shift
+    return offset, total
+
+
+@njit(cache=True, nogil=True)
+def _leg(places, leg):
+    """Start, unit vector and length of a leg, in cells."""
+    j = min(leg + 1, places.shape[0] - 1)
+    fall, run = places[j, 0] - places[leg, 0], places[j, 1] - places[leg, 1]
+    length = math.hypot(fall, run)
+    fall, run = (fall / length, run / length) if length > 0 else (0.0, 1.0)
+    return places[leg, 0], places[leg, 1], fall, run, length
+
+
+@njit(cache=True, nogil=True)
+def sweep(places, radius, height, width, passable):
+    """Cells within `radius` of a polyline, and how far along it each is first seen.
+
+    places : (n, 2) float, n >= 1; passable : (N,) bool, or (0,) for all cells
+    returns cells (m,) int64, ascending, and flown (m,) float in cells.
+    """
+    spans = _spans(places, radius, height, width)
+    offset, total = _slots(spans, width)
     seen = np.full(total, np.inf)
     numbers = np.empty(total, np.int64)
     flown, leg = 0.0, -1
@@ -110,11 +131,7 @@ def sweep(places, radius, height, width, passable):
         while leg < spans[span, 3]:
             leg += 1
             flown += length
-            j = min(leg + 1, places.shape[0] - 1)
-            row_a, col_a = places[leg, 0], places[leg, 1]
-            fall, run = places[j, 0] - row_a, places[j, 1] - col_a
-            length = math.hypot(fall, run)
-            fall, run = (fall / length, run / length) if length > 0 else (0.0, 1.0)
+            row_a, col_a, fall, run, length = _leg(places, leg)
         for col in range(spans[span, 1], spans[span, 2] + 1):
             down, right = spans[span, 0] - row_a, col - col_a
             cell = spans[span, 0] * width + col
@@ -133,3 +150,76 @@ def sweep(places, radius, height, width, passable):
             numbers[n], seen[n] = numbers[slot], seen[slot]
             n += 1
     return numbers[:n].copy(), seen[:n].copy()
+
+
+@njit(cache=True, nogil=True)
+def _stays(down, right, fall, run, length, radius):
+    """Cells along a leg between which a place is in view: (inf, inf) if it never is; parameters as `_first`.
+
+    Where the radius is small, the cell below is in view as well: both stays are of one leg, and are joined.
+    """
+    begins = _first(down, right, fall, run, length, radius)
+    ends = np.inf
+    if begins < np.inf:  # flown backwards from the leg's end, it comes into view where it went out of it
+        ends = length - _first(down - length * fall, right - length * run, -fall, -run, length, radius)
+    if radius < 0.75:
+        over = _over(down, right, fall, run, length)
+        if over < np.inf:
+            gone = length - _over(down - length * fall, right - length * run, -fall, -run, length)
+            gone = over if gone == -np.inf else gone
+            begins, ends = min(begins, over), (max(ends, gone) if ends < np.inf else gone)
+    return begins, ends
+
+
+@njit(cache=True, nogil=True)
+def sweep_passes(places, radius, height, width, passable):
+    """Every time that a cell comes into view along a polyline, and when it goes out of it again.
+
+    Parameters as `sweep`; returns cells (m,) int64, ascending, each cell's passes in order, and the cells flown when
+    it comes and when it goes, (m,) float each.
+    """
+    spans = _spans(places, radius, height, width)
+    offset, total = _slots(spans, width)
+    numbers = np.full(total, -1, np.int64)
+    room = np.zeros(total + 1, np.int64)
+    gone = np.full(total, -np.inf)
+    comes, goes = np.empty(0), np.empty(0)
+    for filling in range(2):  # first how many passes each cell has, then which
+        gone[:] = -np.inf
+        flown, leg = 0.0, -1
+        row_a, col_a, fall, run, length = 0.0, 0.0, 0.0, 1.0, 0.0
+        for span in range(spans.shape[0]):
+            while leg < spans[span, 3]:
+                leg += 1
+                flown += length
+                row_a, col_a, fall, run, length = _leg(places, leg)
+            for col in range(spans[span, 1], spans[span, 2] + 1):
+                cell = spans[span, 0] * width + col
+                if passable.shape[0] > 0 and not passable[cell]:
+                    continue
+                begins, ends = _stays(spans[span, 0] - row_a, col - col_a, fall, run, length, radius)
+                if begins == np.inf:
+                    continue
+                slot = cell + offset[span]
+                begins, ends = flown + begins, flown + ends
+                if begins > gone[slot] + AGAIN:
+                    numbers[slot] = cell
+                    room[slot] += 1
+                    if filling:
+                        comes[room[slot] - 1] = begins
+                if filling:
+                    goes[room[slot] - 1] = max(ends, gone[slot])
+                gone[slot] = max(ends, gone[slot])
+        if not filling:
+            n = 0
+            for slot in range(total):
+                n, room[slot] = n + room[slot], n
+            room[total] = n
+            comes, goes = np.empty(n), np.empty(n)
+    cells = np.empty(room[total], np.int64)
+    first = 0
+    for slot in range(total):  # room[slot] is now where the cell's passes end
+        for n in range(first, room[slot]):
+            cells[n] = numbers[slot]
+        first = room[slot]
+    return cells, comes, goes
