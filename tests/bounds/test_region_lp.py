@@ -1,4 +1,4 @@
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -6,11 +6,13 @@ import pytest
 from sooner.bounds import RegionLP, bounds
 from sooner.bounds.region_lp import Levels, picked_by_rate
 from sooner.bounds.region_network import Cut, Prices, RegionNetwork
+from sooner.bounds.stacked_ground import stacked
 from sooner.errors import UnsupportedProblemError
 from sooner.problem import Gains, Plan, Searcher, evaluate
+from sooner.problem.region_ground import RegionGround
 from sooner.scenarios import bimodal
 
-from ..planners.region_worlds import all_walks, best_by_enumeration, region_world
+from ..planners.region_worlds import all_walks, best_by_enumeration, region_world, unlike_team
 
 SHAPES = [
     pytest.param(legs, ends, id=f"{'legs' if legs else 'centre'}-{'home' if ends else 'open'}")
@@ -75,7 +77,7 @@ def _without_cuts(network):
         def violated(self, counts, ending, visited, slack=1e-3):
             return []
 
-    loose = Loose(network.ground, network.firsts, network.lasts, network.limit_s, network.most, network.home)
+    loose = Loose(**{each.name: getattr(network, each.name) for each in fields(network)})
     return min(value for value, _ in RegionLP().solutions(loose))
 
 
@@ -122,6 +124,46 @@ def test_several_searchers_are_bounded_together():
     alone = list(RegionLP().bounds(problem))[-1].value
     assert best <= value
     assert value > alone
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_searchers_that_fly_unlike_one_another_are_bounded_together(seed):
+    team = unlike_team(seed)
+    alone = [replace(team, searchers=(searcher,)) for searcher in team.searchers]
+    best = max(
+        evaluate(team, Plan(tuple(np.array(walk) for walk in pair))).value
+        for pair in _pairs(*({tuple(sorted(w)): w for w in all_walks(one)} for one in alone))
+    )
+    value = list(RegionLP().bounds(team))[-1].value
+    assert best <= value <= 1.5 * best
+
+
+def test_the_ground_of_one_kind_is_not_changed_by_stacking():
+    ground = RegionGround.of(region_world(4, n_regions=4, legs=True))
+    once = stacked([ground])
+    for each in fields(ground):
+        np.testing.assert_array_equal(getattr(once, each.name), getattr(ground, each.name), err_msg=each.name)
+
+
+def test_a_stacked_ground_holds_a_copy_of_each():
+    grounds = [RegionGround.of(replace(team, searchers=(one,))) for team in (unlike_team(2),) for one in team.searchers]
+    both = stacked(grounds)
+    for region in range(both.n_regions):
+        kind, own = divmod(region, grounds[0].n_regions)
+        for (action, there), (way, end) in zip(both.ways_from(region), grounds[kind].ways_from(own), strict=True):
+            assert there == end + kind * grounds[0].n_regions
+            assert both.seconds[action] == grounds[kind].seconds[way]
+            held, was = (
+                each.atoms[each.starts[a] : each.starts[a + 1]] for each, a in ((both, action), (grounds[kind], way))
+            )
+            np.testing.assert_array_equal(held, was)
+    for atom in range(len(both.gains)):
+        covers = both.covers[both.cover_starts[atom] : both.cover_starts[atom + 1]]
+        assert sorted(covers) == [a for a in range(both.n_actions) for k in _atoms(both, a) if k == atom]
+
+
+def _atoms(ground, action):
+    return ground.atoms[ground.starts[action] : ground.starts[action + 1]]
 
 
 def _pairs(ones, others):

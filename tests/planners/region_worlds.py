@@ -1,10 +1,13 @@
 """Small searches over regions, drawn at random: footprints that overlap, gains of any concave kind."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from sooner.grid import Grid
 from sooner.problem import Gains, Plan, Searcher, SearchProblem, evaluate
 from sooner.problem.atoms import Footprints, atom_gains, atoms_of
+from sooner.problem.common_atoms import common_atoms
 from sooner.problem.regions import RegionGraph, RegionMoves
 
 COLUMNS = 12
@@ -74,6 +77,26 @@ def looking_again(footprints: Footprints, seed: int) -> Footprints:
     starts = np.concatenate([[0], np.cumsum(times)])[footprints.starts]
     seconds, back = footprints.seconds[which] + later, footprints.back_s[which] + later
     return Footprints(starts, footprints.cells[which], seconds, back)
+
+
+def unlike_team(seed: int, n_regions: int = 3, budget: float = 8.0) -> SearchProblem:
+    """Two searchers: the second flies half as fast again, and its searches see fewer cells."""
+    one = region_world(seed, n_regions, budget)
+    moves, rng = one.searcher.moves, np.random.default_rng(seed)
+    graph, whole = moves.graph, moves.graph.footprints
+    kept = [rng.random(len(whole.of(action))) < 0.8 for action in range(whole.n_actions)]
+    seen = np.concatenate(kept)
+    starts = np.concatenate([[0], np.cumsum([each.sum() for each in kept])])
+    fewer = Footprints(starts, whole.cells[seen], whole.seconds[seen] / 1.5, whole.back_s[seen] / 1.5)
+    atoms = common_atoms([whole, fewer], one.grid.n_cells)
+    slow = replace(moves, atoms=atoms[0])
+    quick_graph = replace(graph, seconds=graph.seconds / 1.5, footprints=fewer)
+    quick = replace(moves, graph=quick_graph, atoms=atoms[1], first=(moves.first + 1) % n_regions)
+    gains, start = cell_gains(one.grid, rng), one.searcher.start
+    searchers = Searcher(start, budget, None, slow), Searcher(start, 0.7 * budget, None, quick)
+    return SearchProblem(
+        one.grid, atom_gains(atoms[0], lambda asked: gains.of(asked[:, None], np.arange(COLUMNS))), searchers
+    )
 
 
 def cell_gains(grid: Grid, rng: np.random.Generator) -> Gains:

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from heapq import heapify, heapreplace
+from heapq import heapify, heappop, heapreplace
 from math import inf
 from typing import Any
 
@@ -58,7 +58,7 @@ class RegionLP:
     rounds: int = 100
 
     def bounds(self, problem: SearchProblem, known: Known = -inf) -> Iterator[Bound]:
-        """Yield bounds that never rise, one a round; for several searchers over one graph, of all together.
+        """Yield bounds that never rise, one a round; for several searchers, of all together.
 
         Raises
         ------
@@ -98,26 +98,30 @@ def picked_by_rate(network: RegionNetwork) -> Whole:
     """
     ground, counts = network.ground, np.zeros(network.ground.n_actions, np.int64)
     looks, last = np.zeros(len(ground.gains), np.int64), ground.gains.shape[1] - 1
-    covered = [ground.atoms[a:b] for a, b in zip(ground.starts[:-1], ground.starts[1:], strict=True)]
+    covered = [slice(a, b) for a, b in zip(ground.starts[:-1], ground.starts[1:], strict=True)]
 
     def rate(action: int) -> float:
-        atoms = covered[action]
-        return float(ground.gains[atoms, np.minimum(looks[atoms], last)].sum() / ground.seconds[action])
+        atoms = ground.atoms[covered[action]]
+        next_looks = np.minimum(looks[atoms] + ground.before[covered[action]], last)
+        return float(ground.gains[atoms, next_looks].sum() / ground.seconds[action])
 
     queue = [(-rate(action), action) for action in np.flatnonzero(network.most).tolist()]
     heapify(queue)
-    left = network.limit_s
-    while queue and queue[0][0] < 0.0:
+    left_s, full = network.limits_s.copy(), np.zeros(len(network.limits_s), bool)
+    while queue and queue[0][0] < 0.0 and not full.all():
         was, action = queue[0]
         now = -rate(action)
         if now > was:
             heapreplace(queue, (now, action))
             continue
-        if ground.seconds[action] > left:
-            break
-        left -= float(ground.seconds[action])
+        kind = network.kinds[action]
+        full[kind] |= ground.seconds[action] > left_s[kind]
+        if full[kind]:
+            heappop(queue)
+            continue
+        left_s[kind] -= ground.seconds[action]
         counts[action] += 1
-        looks[covered[action]] += 1
+        np.add.at(looks, ground.atoms[covered[action]], 1)
         heapreplace(queue, (-rate(action), action))
     return counts
 
@@ -278,26 +282,26 @@ class _Program:
     def _rows(self) -> tuple[csr_array, Floats]:
         """Left and right sides of all inequalities: looks, seconds, z <= v, n <= N v, cuts."""
         network, levels, ground = self.network, self.levels, self.network.ground
-        n_atoms, n_z = len(levels.lo), len(levels.atoms)
+        n_atoms, n_z, n_kinds = len(levels.lo), len(levels.atoms), len(network.limits_s)
         entries: list[tuple[NDArray[Any], NDArray[Any], NDArray[Any]]] = [
             (levels.atoms, self.z + np.arange(n_z), np.ones(n_z)),
             (ground.atoms, network.actions, -np.ones(len(ground.atoms))),
-            (np.full(ground.n_actions, n_atoms), np.arange(ground.n_actions), ground.seconds / network.limit_s),
+            (n_atoms + network.kinds, np.arange(ground.n_actions), ground.seconds / network.limits_s[network.kinds]),
         ]
         tied = np.flatnonzero(self.of_atom[levels.atoms] >= 0)
-        rows = n_atoms + 1 + np.arange(len(tied))
+        rows = n_atoms + n_kinds + np.arange(len(tied))
         entries += [
             (rows, self.z + tied, np.ones(len(tied))),
             (rows, self.v + self.of_atom[levels.atoms[tied]], -levels.most[tied]),
         ]
-        rows = n_atoms + 1 + len(tied) + np.arange(len(self.regions))
+        rows = n_atoms + n_kinds + len(tied) + np.arange(len(self.regions))
         most = network.most[self.regions].astype(np.float64)
         entries += [
             (rows, self.regions, np.ones(len(rows))),
             (rows, self.v + np.arange(len(rows)), -most),
         ]
-        right: list[Any] = [-levels.lo, [1.0], np.zeros(len(tied) + len(rows))]
-        count = n_atoms + 1 + len(tied) + len(rows)
+        right: list[Any] = [-levels.lo, np.ones(n_kinds), np.zeros(len(tied) + len(rows))]
+        count = n_atoms + n_kinds + len(tied) + len(rows)
         for number, cut in enumerate(self.cuts):
             crossing, ending = np.flatnonzero(network.crossed(cut)), self.ends + np.flatnonzero(cut.inside)
             touched = np.concatenate([crossing, ending, [self.v + self.place[cut.region]]])

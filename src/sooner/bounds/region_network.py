@@ -27,6 +27,10 @@ where Y_a is the sum of the y of the cuts whose border a crosses.
 That holds for any p, y, q >= 0: a solver only has to find good ones, and none of its tolerances count. What remains is
 the rounding of sums in (2), orders below the margin of `GUARD`. (1) and (2) take one total of seconds for all
 searchers, so for a team the bound is also one for searchers that hand each other their seconds.
+
+Searchers that fly unlike one another have a copy of the graph for each kind (`stacked_ground`), with actions, seconds
+and a knapsack of its own; all look at the same atoms. (1) holds within each copy. An atom that two copies cover has no
+region r of its own, which only loosens (2).
 """
 
 from __future__ import annotations
@@ -38,6 +42,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
+from sooner.bounds.stacked_ground import stacked, stacked_actions
 from sooner.errors import UnsupportedProblemError
 from sooner.problem import SearchProblem
 from sooner.problem.region_ground import RegionGround
@@ -70,14 +75,15 @@ class Prices:
 
 @dataclass(frozen=True, eq=False)
 class RegionNetwork:
-    """All that searchers over one graph can fly and collect together.
+    """All that searchers can fly and collect together.
 
     Parameters
     ----------
     ground : RegionGround       actions and atoms; its gains are those that are left once all legs are flown
     firsts : (A,) int           region where each searcher begins
     lasts : (A,) int            and where it ends; -1: anywhere
-    limit_s : float             seconds of all searchers together, without their legs
+    kinds : (A,) int            which copy of the graph each action is of
+    limits_s : (C,) float       seconds of all searchers together that fly in each copy, without their legs
     most : (A,) int             how often each action can be flown at most; 0 where nobody gets there in time
     home : (K,) int             region that every action which covers the atom touches; -1 where there is none
     """
@@ -85,13 +91,14 @@ class RegionNetwork:
     ground: RegionGround
     firsts: NDArray[np.int64]
     lasts: NDArray[np.int64]
-    limit_s: float
+    kinds: NDArray[np.int64]
+    limits_s: Floats
     most: NDArray[np.int64]
     home: NDArray[np.int64]
 
     @staticmethod
     def of(problem: SearchProblem) -> RegionNetwork:
-        """The network of a problem whose searchers share one graph of regions.
+        """The network of a problem whose searchers move over regions.
 
         Raises
         ------
@@ -101,20 +108,38 @@ class RegionNetwork:
         regional = [each for each in moves if isinstance(each, RegionMoves)]
         if problem.drift is not None or len(regional) < len(moves):
             raise UnsupportedProblemError("this bound needs moves over regions and a person who stays")
-        if any(each.graph is not regional[0].graph for each in regional):
-            raise UnsupportedProblemError("this bound needs searchers over one graph of regions")
         if problem.gains.ratio.any():
             raise UnsupportedProblemError("this bound needs gains that end with their table")
         grounds = [RegionGround.of(replace(problem, searchers=(searcher,))) for searcher in problem.searchers]
-        ground = grounds[0] if len(grounds) == 1 else _joint(problem, grounds[0], regional)
+        graphs = list({id(each.graph): each.graph for each in regional}.values())
+        copy = [next(c for c, graph in enumerate(graphs) if graph is each.graph) for each in regional]
+        firsts = [next(g for g, c in zip(grounds, copy, strict=True) if c == kind) for kind in range(len(graphs))]
+        order = stacked_actions(firsts)
+        kinds = np.repeat(np.arange(len(graphs)), [each.n_actions for each in firsts])
+        ground = firsts[0] if len(graphs) == 1 else stacked(firsts)
+        if len(grounds) > 1:
+            ground = _joint(problem, ground, regional)
+        most = np.zeros(len(kinds), np.int64)
+        limits_s = np.zeros(len(graphs))
+        for own, walk, kind in zip(grounds, regional, copy, strict=True):
+            most[kinds == kind] += _most(own, walk)
+            limits_s[kind] += own.limit_s + ROUNDING_S
+        shift = np.cumsum([0, *(each.n_regions for each in firsts)])[copy]
+        lasts = np.array([each.last for each in regional])
         return RegionNetwork(
             ground=ground,
-            firsts=np.array([each.first for each in regional]),
-            lasts=np.array([each.last for each in regional]),
-            limit_s=sum(each.limit_s + ROUNDING_S for each in grounds),
-            most=np.sum([_most(each, walk) for each, walk in zip(grounds, regional, strict=True)], axis=0),
+            firsts=np.array([each.first for each in regional]) + shift,
+            lasts=np.where(lasts < 0, -1, lasts + shift),
+            kinds=kinds[order],
+            limits_s=limits_s,
+            most=most[order],
             home=_homes(ground),
         )
+
+    @property
+    def limit_s(self) -> float:
+        """Seconds of all searchers together, without their legs."""
+        return float(self.limits_s.sum())
 
     @property
     def n_open(self) -> int:
@@ -154,7 +179,9 @@ class RegionNetwork:
         own = (self.home >= 0) & priced[self.home]
         per_region = np.bincount(self.home[own], left[own], ground.n_regions) + self.most[: ground.n_regions] * search
         total = left[~own].sum() + np.maximum(per_region - spent, 0.0)[priced].sum()
-        total += _knapsack(paid / ground.seconds, self.most * ground.seconds, self.limit_s)
+        rates, room = paid / ground.seconds, self.most * ground.seconds
+        for kind, limit_s in enumerate(self.limits_s.tolist()):
+            total += _knapsack(rates[self.kinds == kind], room[self.kinds == kind], limit_s)
         total += self.n_open * inside.max() + inside[self.lasts[self.lasts >= 0]].sum()
         return float(ground.leg_value + total) * (1.0 + GUARD)
 
