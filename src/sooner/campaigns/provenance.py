@@ -23,8 +23,9 @@ __all__ = ["commit", "maps", "processor", "provenance", "same_source", "sources"
 
 PACKAGE = Path(__file__).resolve().parents[1]
 TELLING = (
-    "cli/*", "console/*", "plotting/*", "campaigns/*", "experiments/compare.py", "experiments/published.py",
-    "experiments/reproduce.py", "experiments/tables.py", "experiments/*/claims.py", "experiments/*/figures.py",
+    "cli/*", "console/*", "plotting/*", "campaigns/*", "experiments/compare.py", "experiments/figures.py",
+    "experiments/published.py", "experiments/reproduce.py", "experiments/tables.py", "experiments/*/claims.py",
+    "experiments/*/figure*.py",
 )  # fmt: skip
 """Modules that tell of results, or carry them, and decide none."""
 ASIDE = (".*", "__pycache__", "node_modules", "*-results")

@@ -5,7 +5,6 @@ Figures 1 to 3 are diagrams of the paper and of its argument.
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,19 +14,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.belief import EvidenceGrid
 from sooner.campaigns.results import Results
 from sooner.campaigns.run import Ran
 from sooner.campaigns.study import Study
 from sooner.campaigns.trial import Case
-from sooner.decomposition.plow import coverage_paths
+from sooner.experiments.figures import draw_all, draw_map, panels
 from sooner.experiments.kuhlman2017.claims import KINDS, sizes
-from sooner.experiments.kuhlman2017.ground import DETECT, FALSE_ALARM, environment, ground, posed
-from sooner.motion.kinematics import Dynamics
-from sooner.motion.rounded import rounded
-from sooner.motion.trajectory import Trajectory
-from sooner.scenarios.natural import EXPERIMENT_2_CELLS, FREE_SHARE, NATURAL_KINDS
-from sooner.scenarios.simplex_noise import elevation
+from sooner.experiments.kuhlman2017.figures_of_ground import (
+    figure_4,
+    figure_5,
+    figure_6,
+    figure_7,
+    figure_15,
+    with_obstacles,
+)
+from sooner.experiments.kuhlman2017.ground import posed
+from sooner.scenarios.natural import EXPERIMENT_2_CELLS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,15 +38,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_figures"]
 
-STYLE: Any = {
-    "font.size": 8,
-    "axes.titlesize": 8.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "figure.dpi": 140,
-    "savefig.dpi": 140,
-    "image.cmap": "YlGnBu",
-}
 PLANNERS = ("eps-B&B", "greedy", "DFS", "DF-B&B")
 COLOURS = {"eps-B&B": "black", "greedy": "#b35806", "DFS": "#2166ac", "DF-B&B": "#7f7f7f"}
 ALPHAS = {"0.2": "#c6dbef", "0.7": "#6baed6", "0.8": "#2171b5", "0.9": "#08306b"}
@@ -61,7 +54,6 @@ PRINTED_EFFORT = {
     "nonuniform": {"eps-B&B": (1.21, 1.27, 1.23, 1.20), "DFS": (1.25, 1.26, 1.24, 1.20),
                    "greedy": (1.34, 1.41, 1.35, 1.31), "DF-B&B": (1.4, 1.43, 1.45, 1.42)},
 }  # fmt: skip
-DRONE = Dynamics(2.0, 2.0)
 MOST = 6  # looks that have a colour of their own
 
 
@@ -102,184 +94,12 @@ class Flown:
 
 def draw_figures(ran: Ran, study: Study, data: Path) -> Iterator[tuple[str, bytes]]:
     """Draw figures 4 to 21: the name of a small PNG file, and what it holds."""
-    import matplotlib as mpl
-
-    mpl.use("agg")
-    flown = Flown(study, ran)
-    for number, draw in FIGURES.items():
-        with mpl.rc_context(STYLE):
-            yield f"figure-{number:02d}.png", _drawn(draw(flown))
-
-
-def _drawn(figure: Figure) -> bytes:
-    import matplotlib.pyplot as plt
-
-    drawn = io.BytesIO()
-    options = {"optimize": True, "compress_level": 9}
-    figure.savefig(drawn, format="png", bbox_inches="tight", metadata={"Software": None}, pil_kwargs=options)
-    plt.close(figure)
-    return drawn.getvalue()
-
-
-def _panels(rows: int, cols: int, width: float, height: float) -> tuple[Figure, list[Axes]]:
-    import matplotlib.pyplot as plt
-
-    size = (width * cols, height * rows)
-    figure, axes = plt.subplots(rows, cols, figsize=size, layout="constrained", squeeze=False)
-    return figure, list(axes.flat)
-
-
-def _map(axes: Axes, values: NDArray[Any], title: str, **settings: Any) -> Any:
-    shown = axes.imshow(values, interpolation="nearest", **settings)
-    axes.set(title=title, xticks=[], yticks=[])
-    for spine in axes.spines.values():
-        spine.set_visible(True)
-        spine.set_linewidth(0.6)
-    return shown
-
-
-def _with_obstacles(values: NDArray[Any], free: NDArray[np.bool_]) -> NDArray[Any]:
-    """Values of free cells; obstacles are masked."""
-    return np.ma.masked_array(values, ~free)
-
-
-def _colours(name: str) -> Colormap:
-    """A palette on which what is masked, obstacles, is black."""
-    import matplotlib as mpl
-
-    found: Colormap = mpl.colormaps[name].copy()
-    found.set_bad("black")
-    return found
-
-
-# From the environments -----------------------------------------------------------------------------------------------
-
-
-def figure_4(flown: Flown) -> Figure:
-    """One region's coverage path: with a stop at every corner, and with corners flown as arcs."""
-    found = ground("low", 1)
-    region = int(np.argmax(found.regions.sizes))
-    grid = found.environment.grid
-    path = min(coverage_paths(grid, found.regions, region, 8.8), key=DRONE.seconds)
-    rows, cols = found.regions.box(region)
-    figure, axes = _panels(1, 2, 2.1, 3.6)
-    titles = ("stops at every corner", "arcs between plow lines")
-    for ax, flight, title in zip(axes, (Trajectory.through(path, DRONE), rounded(path, DRONE)), titles, strict=True):
-        inside = found.regions.labels == region
-        shown = np.where(found.environment.free, np.where(inside, 0.35, 0.0), 1.0)
-        _map(ax, shown, f"{title}\n{flight.duration:.0f} s", cmap="Greys", vmin=0, vmax=1.25)
-        _, places, speeds = flight.sample(0.25)
-        pixels = _pixels(found.environment.grid.shape[0], grid.cell_m, places)
-        points = ax.scatter(*pixels, c=speeds, s=3, cmap="plasma", vmin=0, vmax=2.0, lw=0)
-        ax.set(xlim=(cols.start - 4, cols.stop + 3), ylim=(rows.stop + 3, rows.start - 4))
-    figure.colorbar(points, ax=axes, shrink=0.75, label="speed, m/s")
-    return figure
-
-
-def _pixels(height: int, cell_m: float, places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Column and row of places in metres east and north, for a map whose row 0 is north."""
-    return places[:, 0] / cell_m, height - 1 - places[:, 1] / cell_m
-
-
-def figure_5(flown: Flown) -> Figure:
-    """One band of noise, two bands as a map and in three dimensions, and the ground cut from them."""
-    import matplotlib.pyplot as plt
-
-    terrain = NATURAL_KINDS["med"]
-    seed = environment("med", 1).seed
-    one = elevation(terrain.shape, terrain.frequencies[:1], (1.0,), seed)
-    both = elevation(terrain.shape, terrain.frequencies, terrain.weights, seed)
-    figure = plt.figure(figsize=(6.4, 3.7), layout="constrained")
-    top = [figure.add_subplot(2, 2, place) for place in (1, 2, 4)]
-    _map(top[0], one, "a) one band of noise", cmap="Greys_r")
-    _map(top[1], both, "b) two bands", cmap="terrain")
-    _map(top[2], both > np.quantile(both, FREE_SHARE), "d) the highest third becomes obstacles", cmap="Greys")
-    rows, cols = np.mgrid[0 : terrain.shape[0] : 2, 0 : terrain.shape[1] : 2]
-    solid: Any = figure.add_subplot(2, 2, 3, projection="3d")
-    solid.plot_surface(cols, rows, both[::2, ::2], cmap="terrain", lw=0, rcount=50, ccount=100)
-    solid.set_box_aspect((2, 1, 0.35), zoom=1.5)
-    solid.invert_yaxis()
-    solid.view_init(50, -80)
-    solid.set(xticks=[], yticks=[], zticks=[], title="c) the same in three dimensions")
-    return figure
-
-
-def figure_6(flown: Flown) -> Figure:
-    """The first environment of each kind, in regions."""
-    from matplotlib.colors import ListedColormap
-
-    figure, axes = _panels(2, 2, 3.0, 1.72)
-    for ax, kind in zip(axes, KINDS, strict=True):
-        found = ground(kind, 1)
-        labels, free = found.regions.labels, found.environment.free
-        hues = _distinct(found.regions.adjacency, found.regions.n_regions)
-        shown = np.where(labels >= 0, hues[labels] + 1, 0)
-        palette = ListedColormap(["#f5f5f5", *PASTELS])
-        palette.set_bad("black")
-        title = f"{kind}: {found.regions.n_regions} regions"
-        _map(ax, _with_obstacles(shown, free), title, cmap=palette, vmin=-0.5, vmax=len(PASTELS) + 0.5)
-        rows, cols = np.divmod(found.regions.centres, free.shape[1])
-        ax.plot(cols, rows, "o", ms=1.8, color="#333333")
-    return figure
-
-
-PASTELS = ("#8dd3c7", "#ffed6f", "#bebada", "#fb8072", "#80b1d3", "#fdb462", "#b3de69", "#fccde5")
-
-
-def _distinct(adjacency: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """(R,): colours of which neighbours share none, the least used first."""
-    hues, used = np.full(count, -1), np.zeros(len(PASTELS), np.int64)
-    for region in range(count):
-        near = hues[adjacency[(adjacency == region).any(axis=1)].ravel()]
-        hue = min(range(len(PASTELS)), key=lambda each: (each in near, used[each]))
-        hues[region] = hue
-        used[hue] += 1
-    return hues
-
-
-def figure_7(flown: Flown) -> Figure:
-    """The sensor: cells in view answer yes (dark) or no, and are wrong 15 times in a hundred."""
-    rng = np.random.default_rng(7)
-    rows, cols = np.mgrid[0:15, 0:15]
-    seen = np.hypot(rows - 7, cols - 7) * 2.2 <= 8.8 + 1e-9
-    there = rng.random(seen.shape) < 0.12
-    hit = rng.random(seen.shape) < np.where(there, DETECT, FALSE_ALARM)
-    figure, (axes,) = _panels(1, 1, 2.9, 2.9)
-    shown = np.where(seen, np.where(hit, 2, 1), 0)
-    from matplotlib.colors import ListedColormap
-    from matplotlib.patches import Circle
-
-    _map(axes, shown, "one look of radius 8.8 m", cmap=ListedColormap(["white", "#d9d9d9", "#1a9850"]), vmin=0, vmax=2)
-    axes.set_xticks(np.arange(-0.5, 15), minor=True)
-    axes.set_yticks(np.arange(-0.5, 15), minor=True)
-    axes.grid(which="minor", color="#bbbbbb", lw=0.5)
-    axes.tick_params(which="minor", length=0)
-    axes.add_patch(Circle((7, 7), 4.0, fill=False, color="black", lw=1.0))
-    axes.plot(7, 7, "k+", ms=6)
-    axes.plot(*np.nonzero((there & seen).T), "x", ms=4, color="#d73027", label="target")
-    axes.legend(loc="lower right", fontsize=6.5, handletextpad=0.2)
-    return figure
-
-
-def figure_15(flown: Flown) -> Figure:
-    """Entropy before the search."""
-    figure, axes = _panels(2, 2, 3.0, 1.72)
-    for ax, kind in zip(axes, KINDS, strict=True):
-        place = environment(kind, 1, nonuniform=True)
-        bits = EvidenceGrid(place.theta).entropy
-        shown = _map(ax, _with_obstacles(bits, place.free), kind, cmap=_colours("Reds"), vmin=0, vmax=1.3)
-    figure.colorbar(
-        shown, ax=axes, shrink=0.6, label="bits a cell", boundaries=np.linspace(0, 1, 50), ticks=[0, 0.2, 1]
-    )
-    return figure
-
-
-# From what was flown -------------------------------------------------------------------------------------------------
+    yield from draw_all(FIGURES, Flown(study, ran))
 
 
 def figure_8(flown: Flown) -> Figure:
     """Experiment 1: nodes expanded, information, success."""
-    figure, axes = _panels(1, 3, 2.5, 2.4)
+    figure, axes = panels(1, 3, 2.5, 2.4)
     told = (("expanded", "nodes expanded"), ("info", "information, % of reference"), ("success_percent", "success, %"))
     for ax, (measure, label) in zip(axes, told, strict=True):
         for alpha, colour in ALPHAS.items():
@@ -303,7 +123,7 @@ def figure_9(flown: Flown) -> Figure:
         ("first_info", "f) first information, %"), ("info", "g) final information, %"),
         ("swept_m2_per_m", "h) swept, m² per m"),
     )  # fmt: skip
-    figure, axes = _panels(2, 4, 1.95, 1.9)
+    figure, axes = panels(2, 4, 1.95, 1.9)
     for ax, (measure, label) in zip(axes, told, strict=True):
         _over_cells(ax, flown, "", planner, measure, "black")
         ax.set(title=label)
@@ -321,7 +141,7 @@ def figure_9(flown: Flown) -> Figure:
 
 def figure_10(flown: Flown) -> Figure:
     """Information of DFS by number of cells."""
-    figure, (axes,) = _panels(1, 1, 3.4, 2.4)
+    figure, (axes,) = panels(1, 1, 3.4, 2.4)
     for prefix, colour, label in (("", "black", "centres in reach"), ("wide ", "#b35806", "any part in reach")):
         _over_cells(axes, flown, prefix, "DFS, 10 environments", "info", colour)
         axes.plot([], [], color=colour, label=label)
@@ -344,15 +164,15 @@ def _plans(planner: str, prior: str) -> Callable[[Flown], Figure]:
 
 def _footprints(flown: Flown, planner: str, prior: str) -> Figure:
     """How often each cell is looked at, in the trial in the middle of each kind."""
-    figure, axes = _panels(2, 2, 3.0, 1.62)
+    figure, axes = panels(2, 2, 3.0, 1.62)
     for ax, kind in zip(axes, KINDS, strict=True):
         name = f"{kind} {prior}"
         seed, actions, info = flown.middle(name, planner)
         found = posed(flown.study.file.instances[name], seed)
         shape = found.problem.grid.shape
         looks = np.minimum(found.looks(np.array(actions)), MOST).reshape(shape)
-        shown = _map(
-            ax, _with_obstacles(looks, found.free.reshape(shape)), f"{kind}: {info:.1f} %", cmap=_looks_palette(),
+        shown = draw_map(
+            ax, with_obstacles(looks, found.free.reshape(shape)), f"{kind}: {info:.1f} %", cmap=_looks_palette(),
             vmin=-0.5, vmax=MOST + 0.5,
         )  # fmt: skip
         row, col = found.problem.searcher.start
@@ -379,7 +199,7 @@ def _bars(prior: str) -> Callable[[Flown], Figure]:
 
 def _summary(flown: Flown, prior: str) -> Figure:
     """Information, effort and time of the four planners; the paper's as open diamonds."""
-    figure, axes = _panels(1, 3, 2.7, 2.5)
+    figure, axes = panels(1, 3, 2.7, 2.5)
     told = (("info", "information, % of reference"), ("effort", "effort, time constants"), ("timing.cpu_seconds", "s"))
     for ax, (measure, label) in zip(axes, told, strict=True):
         for number, planner in enumerate(PLANNERS):
@@ -400,16 +220,21 @@ def _summary(flown: Flown, prior: str) -> Figure:
     return figure
 
 
+def _still(draw: Callable[[], Figure]) -> Callable[[Flown], Figure]:
+    """A figure that needs no flight."""
+    return lambda flown: draw()
+
+
 FIGURES: dict[int, Callable[[Flown], Figure]] = {
-    4: figure_4,
-    5: figure_5,
-    6: figure_6,
-    7: figure_7,
+    4: _still(figure_4),
+    5: _still(figure_5),
+    6: _still(figure_6),
+    7: _still(figure_7),
     8: figure_8,
     9: figure_9,
     10: figure_10,
     **{11 + number: _plans(planner, "uniform") for number, planner in enumerate(PLANNERS)},
-    15: figure_15,
+    15: _still(figure_15),
     **{16 + number: _plans(planner, "nonuniform") for number, planner in enumerate(PLANNERS)},
     20: _bars("uniform"),
     21: _bars("nonuniform"),
