@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from sooner.grid import Grid
 from sooner.planners import _anneal_kernels as kernels
 from sooner.planners import max_ticks, never, solve
+from sooner.planners._random_kernels import draw
 from sooner.planners.anneal import Anneal, _coarse_walk, _Ground, _Walk
 from sooner.planners.planner import follow
 from sooner.planners.rounds import Rounds
@@ -216,14 +217,14 @@ def test_coarse_walks_are_legal_starts() -> None:
 
 
 def test_random_words_are_those_of_plain_integers() -> None:
-    state = np.array([0, 0, 12345, 678], np.int64)
+    words = np.array([12345, 678], np.int64)
     x, w = 12345, 678
     for _ in range(100):
         x ^= (x << 13) & 0xFFFFFFFF
         x ^= x >> 17
         x ^= (x << 5) & 0xFFFFFFFF
         w = (w + 362437) & 0xFFFFFFFF
-        assert kernels._draw(state) == (x + w) & 0xFFFFFFFF
+        assert draw(words) == (x + w) & 0xFFFFFFFF
 
 
 def test_reach_finds_the_dead_ends_that_keep_a_walk_at_full_length() -> None:

@@ -5,7 +5,7 @@ walk is long:
 
 nodes : (T + 9, 3) int32       cell, next node, node before; node 0 is the start; rows 0 .. size - 1 are in use
 looks : (N, 2) int32           looks at the cell, and a node that may stand on it (a hint, checked when used)
-state : (4,) int64             size of the list, its last node, and two words of random state
+state : (4,) int64             two words of random state, size of the list, and its last node
 gains : (N, K) float64         the first K looks; later ones shrink by `ratio` (N,)
 neighbours : (N, D) int32      -1 where there is none
 where : (N, 2) int32           coordinates in which `_apart` is a lower bound of the steps between two cells
@@ -13,40 +13,11 @@ where : (N, 2) int32           coordinates in which `_apart` is a lower bound of
 
 import math
 
-from numba import njit
+from sooner.planners._random_kernels import below, draw, kernel, uniform
 
 CELL, NEXT, BEFORE = 0, 1, 2
-SIZE, TAIL, SHIFT, WEYL = 0, 1, 2, 3
-WORD = 0xFFFFFFFF
+SIZE, TAIL = 2, 3
 FAILED = -1e300
-
-# Without Numba's reference counts the moves run twice as fast; so no kernel here may allocate.
-kernel = njit(cache=True, nogil=True, _nrt=False)
-
-
-@kernel
-def _draw(state):
-    """32 random bits: xorshift plus a Weyl sequence, in 64-bit arithmetic that never overflows."""
-    x = state[SHIFT]
-    x ^= (x << 13) & WORD
-    x ^= x >> 17
-    x ^= (x << 5) & WORD
-    state[SHIFT] = x
-    w = (state[WEYL] + 362437) & WORD
-    state[WEYL] = w
-    return (x + w) & WORD
-
-
-@kernel
-def _below(state, n):
-    """Whole number in [0, n)."""
-    return (_draw(state) * n) >> 32
-
-
-@kernel
-def _uniform(state):
-    """Number in [0, 1)."""
-    return _draw(state) * 2.3283064365386963e-10
 
 
 @kernel
@@ -154,7 +125,7 @@ def _sample(
         if found == 0.0:
             _withdraw(looks, pays, gains, ratio, path, begin, begin + k)
             return FAILED
-        u = _uniform(state) * found
+        u = uniform(state) * found
         slot = 0
         while slot < slots and weight[slot] <= u:
             slot += 1
@@ -256,11 +227,11 @@ def _rewrite_pair(
     """Shorten one window and lengthen another by as much; returns the change of value, 0 where rejected."""
     size = state[SIZE]
     slots = neighbours.shape[1]
-    less = 2 if slots == 4 else 1 + _below(state, 2)
-    if slots == 4 and not wing and _below(state, 4) == 0:
+    less = 2 if slots == 4 else 1 + below(state, 2)
+    if slots == 4 and not wing and below(state, 4) == 0:
         less = 1
-    a = _below(state, size)
-    b, m = _span(nodes, a, less + 1 + _below(state, 4))
+    a = below(state, size)
+    b, m = _span(nodes, a, less + 1 + below(state, 4))
     if m <= less:
         return 0.0
     goal = nodes[b, CELL]
@@ -268,8 +239,8 @@ def _rewrite_pair(
         return 0.0
     if _apart(where, slots, nodes[a, CELL], goal) > m - less:
         return 0.0
-    c = _below(state, size)
-    d, w = _span(nodes, c, 1 + _below(state, 4))
+    c = below(state, size)
+    d, w = _span(nodes, c, 1 + below(state, 4))
     free = nodes[d, NEXT] < 0 and not pinned
     if w == 0 and not free:
         return 0.0
@@ -414,14 +385,14 @@ def anneal(
     total = 0.0
     for _ in range(moves):
         size = state[SIZE]
-        bar = temperature * math.log(_uniform(state) + 1e-10)
-        kind = _uniform(state)
+        bar = temperature * math.log(uniform(state) + 1e-10)
+        kind = uniform(state)
         first, span, change = -1, 0, 0
         if kind < mix[0]:
-            first, span = _below(state, size), 1 + _below(state, 6)
+            first, span = below(state, size), 1 + below(state, 6)
             if kind < mix[0] * 0.4:
-                change = 2 - 4 * (_draw(state) & 1)
-                if not (wing and slots == 4) and _below(state, 3) == 0:
+                change = 2 - 4 * (draw(state) & 1)
+                if not (wing and slots == 4) and below(state, 3) == 0:
                     change //= 2
         elif kind < mix[1]:
             total += _rewrite_pair(
@@ -442,22 +413,22 @@ def anneal(
                 greed,
             )
         elif kind < mix[2]:
-            a = _below(state, size)
-            b, span = _span(nodes, a, 6 + _below(state, 60))
+            a = below(state, size)
+            b, span = _span(nodes, a, 6 + below(state, 60))
             straight = _apart(where, slots, nodes[a, CELL], nodes[b, CELL])
             if (nodes[b, NEXT] >= 0 or pinned) and 0 < straight < span:
                 first, change = a, straight - span
         elif kind < mix[3]:
             if not pinned:
                 first, span = state[TAIL], 1
-                for _ in range(_below(state, 30)):
+                for _ in range(below(state, 30)):
                     if nodes[first, BEFORE] >= 0:
                         first = nodes[first, BEFORE]
                         span += 1
-                change = _below(state, 9) - 4
+                change = below(state, 9) - 4
         else:
-            a = _below(state, size) if _draw(state) & 1 or pinned else state[TAIL]
-            cell = neighbours[nodes[a, CELL], _below(state, slots)]
+            a = below(state, size) if draw(state) & 1 or pinned else state[TAIL]
+            cell = neighbours[nodes[a, CELL], below(state, slots)]
             if cell >= 0:
                 b = looks[cell, 1]
                 if 0 <= b < size and nodes[b, CELL] == cell and b != a:
@@ -554,15 +525,15 @@ def route(where, slots, anchors, prize, cost, start, end, budget, spare, state, 
     for move in range(moves):
         temperature *= cooling
         spare = full * min(1.0, 2.0 * move / moves)  # time is free at first, or no route would leave for far hills
-        bar = temperature * math.log(_uniform(state) + 1e-10)
-        kind = _uniform(state)
+        bar = temperature * math.log(uniform(state) + 1e-10)
+        kind = uniform(state)
         if kind < 0.6 or n < 2:
-            p = _below(state, pieces)
+            p = below(state, pieces)
             if inside[p]:
                 continue
             swap = -1
             if n > 0 and kind < 0.3:
-                swap = _below(state, n)  # this one goes
+                swap = below(state, n)  # this one goes
             saved, lost = 0.0, 0.0
             if swap >= 0:
                 left = anchors[order[swap - 1]] if swap > 0 else start
@@ -603,8 +574,8 @@ def route(where, slots, anchors, prize, cost, start, end, budget, spare, state, 
                 length += longer
                 value += prize[p] - lost - full * longer
         elif kind < 0.75:
-            i = _below(state, n)
-            run = min(1 + _below(state, 3), n - i)
+            i = below(state, n)
+            run = min(1 + below(state, 3), n - i)
             left = anchors[order[i - 1]] if i > 0 else start
             stop = anchors[order[i + run]] if i + run < n else end
             saved, lost = 0.0, 0.0
@@ -625,8 +596,8 @@ def route(where, slots, anchors, prize, cost, start, end, budget, spare, state, 
                 length -= saved
                 value += full * saved - lost
         else:
-            i = _below(state, n)
-            j = _below(state, n)
+            i = below(state, n)
+            j = below(state, n)
             if i > j:
                 i, j = j, i
             if i == j:

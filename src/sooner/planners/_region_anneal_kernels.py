@@ -7,8 +7,8 @@ first region, every searched region lies on them, and only the first and the las
 counts (A,) int32      how often each action is flown; a < R searches region a
 degree (R,) int32      edges used at each region
 looks (K,) int32       looks at each atom
-whole (7,) int64       END region, words of random state SHIFT and WEYL, STAMP of marks, EDGES used in all, UNDO length,
-                       and BEST_END, where the best numbers end
+whole (7,) int64       two words of random state, END region, STAMP of marks, EDGES used in all, UNDO length, and
+                       BEST_END, where the best numbers end
 real (3,) float64      SECONDS used, VALUE, BEST value
 kept (A,) int32        the best numbers so far
 marks (R,), queue (2, R), undo (U,)     scratch
@@ -16,34 +16,11 @@ marks (R,), queue (2, R), undo (U,)     scratch
 
 import math
 
-from numba import njit
+from sooner.planners._random_kernels import below, draw, kernel
 
-END, SHIFT, WEYL, STAMP, EDGES, UNDO, BEST_END = 0, 1, 2, 3, 4, 5, 6
+END, STAMP, EDGES, UNDO, BEST_END = 2, 3, 4, 5, 6
 SECONDS, VALUE, BEST = 0, 1, 2
-WORD = 0xFFFFFFFF
 LONGEST = 16  # most edges of a cycle
-
-# Without Numba's reference counts the moves run twice as fast; so no kernel here may allocate.
-kernel = njit(cache=True, nogil=True, _nrt=False)
-
-
-@kernel
-def _draw(whole):
-    """32 random bits: xorshift plus a Weyl sequence, in 64-bit arithmetic that never overflows."""
-    x = whole[SHIFT]
-    x ^= (x << 13) & WORD
-    x ^= x >> 17
-    x ^= (x << 5) & WORD
-    whole[SHIFT] = x
-    w = (whole[WEYL] + 362437) & WORD
-    whole[WEYL] = w
-    return (x + w) & WORD
-
-
-@kernel
-def _below(whole, n):
-    """Whole number in [0, n)."""
-    return (_draw(whole) * n) >> 32
 
 
 @kernel
@@ -158,17 +135,17 @@ def _elementary(
     """One random change that keeps the numbers flyable; False where what was drawn cannot be done."""
     n_regions = len(degree)
     n_edges = len(seconds) - n_regions
-    kind = _below(whole, 16)
-    sign = 1 if _draw(whole) & 1 else -1
+    kind = below(whole, 16)
+    sign = 1 if draw(whole) & 1 else -1
     n_touched, known = 0, False
     if kind < 7 or n_edges == 0:  # a search more, or less
-        region = _below(whole, n_regions)
+        region = below(whole, n_regions)
         if (sign < 0 and counts[region] == 0) or (sign > 0 and degree[region] == 0 and region != first):
             return False
         _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, region, sign)
         return True
     if kind < 11:  # there and back once more, or less
-        action = n_regions + _below(whole, n_edges)
+        action = n_regions + below(whole, n_edges)
         one, other = ends[action, 0], ends[action, 1]
         if sign < 0:
             if counts[action] < 2:
@@ -198,7 +175,7 @@ def _elementary(
         n_ways = way_starts[here + 1] - way_starts[here] - 1
         if n_ways == 0:
             return False
-        action = ways[way_starts[here] + 1 + _below(whole, n_ways)]
+        action = ways[way_starts[here] + 1 + below(whole, n_ways)]
         if sign < 0 and counts[action] == 0:
             return False
         there = ends[action, 0] + ends[action, 1] - here
@@ -211,8 +188,8 @@ def _elementary(
     n_cycles = len(cycle_starts) - 1  # round a cycle once more, or one part of it more and the other less
     if n_cycles == 0:
         return False
-    cycle = _below(whole, n_cycles)
-    mixed = _draw(whole)
+    cycle = below(whole, n_cycles)
+    mixed = draw(whole)
     if kind < 14:
         mixed = 0
     begin, stop = cycle_starts[cycle], cycle_starts[cycle + 1]
@@ -260,7 +237,7 @@ def anneal(
             temperature *= factor
         value, used, end = real[VALUE], real[SECONDS], whole[END]
         whole[UNDO] = 0
-        parts = 1 + _below(whole, 3)
+        parts = 1 + below(whole, 3)
         done = True
         for _ in range(parts):
             if whole[UNDO] > len(undo) // 2:
@@ -275,7 +252,7 @@ def anneal(
         if done and real[SECONDS] <= limit_s:
             if gained >= 0.0:
                 continue
-            if gained > temperature * math.log((_draw(whole) + 1.0) * 2.3283064365386963e-10):
+            if gained > temperature * math.log((draw(whole) + 1.0) * 2.3283064365386963e-10):
                 if value <= real[BEST] + 1e-12:
                     continue
                 # The first step down from a new best is spent on remembering it.

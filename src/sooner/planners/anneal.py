@@ -233,7 +233,7 @@ class _Walk:
         self.nodes = np.zeros((ground.limit + SPARE_NODES, 3), np.int32)
         self.looks = np.zeros((cells, 2), np.int32)
         self.pays = np.zeros(cells)
-        self.state = np.array([0, 0, *rng.integers(1, 2**32, 2)], np.int64)
+        self.state = np.array([*rng.integers(1, 2**32, 2), 0, 0], np.int64)
         self.scratch = np.zeros(slots + 1), np.zeros(256, np.int32)
         self.value = kernels.load(walk, self.nodes, self.looks, self.pays, self.state, ground.gains, ground.ratio)
 
@@ -279,7 +279,7 @@ def _coarse_walk(ground: _Ground, rng: Generator) -> Walk:
     order, scratch = np.zeros((2, len(anchors)), np.int32)
     n = kernels.route(
         ground.where, ground.neighbours.shape[1], anchors, prize, size * rng.uniform(0.45, 0.8), ground.start,
-        ground.end, float(ground.limit - 1), 0.5 * ground.worst, np.array([0, 0, *rng.integers(1, 2**32, 2)], np.int64),
+        ground.end, float(ground.limit - 1), 0.5 * ground.worst, rng.integers(1, 2**32, 2),
         ROUTE_MOVES * min(len(anchors), 1000), 10.0, 0.2, np.zeros(len(anchors), np.int32), scratch, order,
     )  # fmt: skip
     cells = len(ground.gains)
