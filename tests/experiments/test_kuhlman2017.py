@@ -8,16 +8,18 @@ import numpy as np
 import pytest
 
 from sooner.belief.effort import effort_by_looks
+from sooner.campaigns.results import Results
 from sooner.campaigns.study import Table, read_study
 from sooner.campaigns.trial import Case, Place, Trial
 from sooner.experiments import reproduce
 from sooner.experiments.compare import compare
-from sooner.experiments.kuhlman2017.claims import _blur, _table_1
+from sooner.experiments.kuhlman2017.claims import _blur, _table_1, tenfold
 from sooner.experiments.kuhlman2017.flight import fly
 from sooner.experiments.kuhlman2017.ground import STARTS, ground, posed
 from sooner.experiments.published import read_published, read_reproduced, study_folder
 from sooner.planners.depth_first import relaxation
 from sooner.problem.region_ground import RegionGround
+from sooner.scenarios.natural import EXPERIMENT_2_CELLS
 
 FOLDER = study_folder("kuhlman2017")
 STUDY = read_study(FOLDER)
@@ -130,6 +132,28 @@ def test_a_search_that_found_no_walk_says_so_and_gives_no_numbers():
     assert answer["success_percent"] == 0
     assert answer["info"] is answer["first_info"] is answer["effort"] is answer["solutions"] is None
     assert answer["expanded"] > 0
+
+
+def test_a_search_that_found_no_walk_proves_nothing():
+    said = trial("4,608 cells", "eps-B&B, 10 environments")
+    few = json.dumps({**json.loads(said.case.settings), "planner": {**said.planner, "iterations": 2}})
+    answer = fly(Trial(Case("4,608 cells", "few", None, few), 0), Place(""))
+    assert answer["proved"] is None
+    assert answer["bound"] > 99
+
+
+def test_what_ten_times_the_cells_do_is_a_slope_of_each_environment():
+    seeds = np.array([0, 1, 2, 4, 5])  # three starts of one environment, two of the next
+    rises = np.array([1.0, 2.0, 3.0, -0.5, 9.0])
+    found = [
+        Results("", "", None, seeds, {"info": 90 + rises * np.log10(cells)}, frozenset())
+        for cells in EXPERIMENT_2_CELLS
+    ]
+    found[3] = Results("", "", None, seeds[:4], {"info": found[3].measure("info")[:4]}, frozenset())
+    assert tenfold(found, "info") == pytest.approx([2.0, -0.5])
+    gone = np.where(seeds[:4] == 2, np.nan, found[3].measure("info"))
+    found[3] = Results("", "", None, seeds[:4], {"info": gone}, frozenset())
+    assert tenfold(found, "info") == pytest.approx([1.5, -0.5])
 
 
 # A slice of the study ------------------------------------------------------------------------------------------------

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from math import pi
+from math import pi, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -15,11 +15,11 @@ from sooner.campaigns.results import Results
 from sooner.campaigns.run import Ran
 from sooner.campaigns.study import Study
 from sooner.decomposition import boustrophedon
-from sooner.experiments.kuhlman2017.ground import DETECT, FALSE_ALARM, environment
+from sooner.experiments.kuhlman2017.ground import DETECT, FALSE_ALARM, STARTS, environment
 from sooner.scenarios.natural import EXPERIMENT_2_CELLS
 from sooner.sensors import Camera
 
-__all__ = ["KINDS", "PRIORS", "claims", "lost", "region_counts", "sizes"]
+__all__ = ["KINDS", "PRIORS", "claims", "lost", "region_counts", "sizes", "tenfold"]
 
 Claim = tuple[str, str, str, float, int]
 Values = Mapping[tuple[str, str, str], float]
@@ -27,7 +27,7 @@ Values = Mapping[tuple[str, str, str], float]
 KINDS = ("low", "med", "high", "vhf")
 PRIORS = {"Table 2": "uniform", "Table 3": "nonuniform"}
 COUNTED = 40  # environments of each kind [Kuhlman2017, sec. 6.2]
-ENV_2 = 10  # environments of Experiment 2, sec. 7.2
+TENFOLD = "Beyond: quality against the number of cells"
 
 
 def claims(ran: Ran, study: Study, value: Values, data: Path) -> Iterator[Claim]:
@@ -41,7 +41,7 @@ def claims(ran: Ran, study: Study, value: Values, data: Path) -> Iterator[Claim]
     yield from _regions()
     yield from _blur()
     results = {(case.instance, case.planner): found for case, found in ran.results().items()}
-    for part in (_experiment_1, _experiment_2):
+    for part in (_experiment_1, _experiment_2, _quality):
         with suppress(KeyError):  # a table that was not run
             yield from part(results)
     if ("Table 2 Speed", "vhf uniform", "eps-B&B final time") in value:  # other tables fly a part of these trials
@@ -117,6 +117,37 @@ def _experiment_2(results: Mapping[tuple[str, str], Results]) -> Iterator[Claim]
     factor = EXPERIMENT_2_CELLS[-1] / EXPERIMENT_2_CELLS[0]
     yield "Text", "Experiment 2: cells vary by a factor of", "factor", factor, n
     yield "Text", "Experiment 2: regions vary by a factor of", "factor", max(regions) / min(regions), n
+
+
+def _quality(results: Mapping[tuple[str, str], Results]) -> Iterator[Claim]:
+    """What ten times the cells do to plans of Experiment 2: theirs fall, by how much the paper does not print."""
+    for prefix, reading in (("", "centres in reach"), ("wide ", "any part in reach")):
+        for planner in ("eps-B&B", "DFS"):
+            found = [results[name, f"{planner}, 10 environments"] for name in sizes(prefix)]
+            for measure, whole in (("info", "reference"), ("proved", "bound")):
+                each = tenfold(found, measure)
+                if len(each) < 2:
+                    return
+                row = f"{planner}, {reading}, % of the {whole}"
+                error = float(each.std(ddof=1)) / sqrt(len(each))
+                yield TENFOLD, row, "points for ten times the cells", float(each.mean()), len(each)
+                yield TENFOLD, row, "standard error", error, len(each)
+
+
+def tenfold(found: Sequence[Results], measure: str) -> NDArray[np.float64]:
+    """(environments,) float: by how much a measure rises for ten times the cells, by least squares over all sizes.
+
+    Parameters
+    ----------
+    found : (7,) of Results    of one planner, from few cells to many; seeds that some of them lack are left out
+    """
+    seeds = np.array(sorted(set.intersection(*(set(each.seeds) for each in found))), np.int64)
+    values = np.array([each.measure(measure)[np.isin(each.seeds, seeds)] for each in found])
+    seeds, values = seeds[known := ~np.isnan(values).any(axis=0)], values[:, known]
+    decades = np.log10(EXPERIMENT_2_CELLS)
+    decades -= decades.mean()
+    slopes = decades @ values / (decades @ decades)
+    return np.array([slopes[seeds // STARTS == number].mean() for number in np.unique(seeds // STARTS)])
 
 
 def _against_dfs(value: Values, n: int) -> Iterator[Claim]:

@@ -47,8 +47,9 @@ def fly(trial: Trial, place: Place) -> Mapping[str, Any]:
     of a plan are null where not), and the same as `success_percent`; `solutions` and `expanded` of planners that search
     over walks; `effort` by the printed equation and `effort_corrected`, mean search times of the free cells; `regions`,
     `t_max`, `reference` (bits) and `cells` of the ground, `swept_m2_per_m` of its ways; `bound`, of the linear program
-    in percent of the reference, and `proved`, how much of it is reached, where the planner says proved = true; and
-    under `timing` the process's seconds to the first solution, in all, and for the ground where it had to be made.
+    in percent of the reference, and `proved`, the percentage of it that the plan reaches, where the planner says
+    proved = true; and under `timing` the process's seconds to the first solution, in all, and for the ground where it
+    had to be made.
 
     The planner is what `sooner.experiments.flight` takes; `walks = true` asks for what a search over walks has done,
     for its complete walks only.
@@ -64,7 +65,7 @@ def fly(trial: Trial, place: Place) -> Mapping[str, Any]:
     numbers = {**_ground_numbers(found, reference), **_plan_numbers(found, flown, reference)}
     if proved:
         numbers["bound"] = 100.0 * _bound(found.problem) / reference
-        numbers["proved"] = 100.0 * numbers["info"] / numbers["bound"]
+        numbers["proved"] = None if numbers["info"] is None else 100.0 * numbers["info"] / numbers["bound"]
     timing = {"first_s": _known(flown.first_s), "seconds": flown.seconds, "cpu_seconds": flown.cpu_seconds}
     if ground_s > AT_HAND_S:
         timing["ground_s"] = ground_s
