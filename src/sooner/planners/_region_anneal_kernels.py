@@ -227,14 +227,10 @@ def _keep(counts, kept, whole, real):
 @kernel
 def anneal(
     starts, atoms, way_starts, ways, ends, cycle_starts, cycles, gains, seconds, limit_s, first, free_end,
-    counts, degree, looks, whole, real, kept, marks, queue, undo, touched, hot, cold, moves,
+    counts, degree, looks, whole, real, kept, marks, queue, undo, touched, temperature, moves,
 ):  # fmt: skip
-    """Make so many moves of one to three changes each, at a temperature that falls from `hot` to `cold`."""
-    factor = (cold / hot) ** (1.0 / max(moves // 64, 1))
-    temperature = hot
-    for move in range(moves):
-        if move % 64 == 63:
-            temperature *= factor
+    """Make so many moves of one to three changes each, at one temperature."""
+    for _ in range(moves):
         value, used, end = real[VALUE], real[SECONDS], whole[END]
         whole[UNDO] = 0
         parts = 1 + below(whole, 3)

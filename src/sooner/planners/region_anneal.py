@@ -11,7 +11,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from sooner.planners.depth_first import DepthFirst
+from sooner.planners.depth_first import DepthFirst, relaxation
 from sooner.planners.planner import Ticks
 from sooner.planners.region_greedy import RegionGreedy
 from sooner.planners.region_walk import walk_of
@@ -107,8 +107,6 @@ class _Numbers:
     """What all states share."""
 
     def __init__(self, ground: RegionGround) -> None:
-        from sooner.planners.depth_first import relaxation
-
         self.ground = ground
         value, counts = relaxation(ground)
         self.unit = (value - ground.leg_value) / max(counts.sum(), 1)
@@ -161,11 +159,12 @@ class _State:
         """Make so many moves."""
         from sooner.planners._region_anneal_kernels import anneal
 
-        ground, hot = self.ground, temperature * self.numbers.unit
+        ground = self.ground
         anneal(
             ground.starts, ground.atoms, ground.way_starts, ground.ways, ground.ends, self.numbers.cycle_starts,
             self.numbers.cycles, ground.gains, ground.seconds, ground.limit_s, ground.first, ground.last < 0,
-            self.counts, self.degree, self.looks, self.whole, self.real, self.kept, *self.scratch, hot, hot, moves,
+            self.counts, self.degree, self.looks, self.whole, self.real, self.kept, *self.scratch,
+            temperature * self.numbers.unit, moves,
         )  # fmt: skip
 
 
