@@ -71,7 +71,8 @@ MISSIONS = st.fixed_dictionaries(
         "budget": table(steps=st.integers(0, 9), seconds=st.just(9.0)),
     },
     optional={
-        "objective": table(kind=WORDS, detection_target=st.just(0.5)),
+        "objective": table(kind=WORDS, detection_target=st.just(0.5), early=st.booleans()),
+        "links": table(range_m=st.just(4.0), loss=st.just(0.5), relays=st.booleans()),
         "regions": table(cut=WORDS, spacing_m=st.just(2.0), min_area_m2=st.just(0.0), turns=WORDS),
         "name": ANYTHING,
         "other": ANYTHING,

@@ -206,7 +206,11 @@ BAD = {
         "objective.detection_target",
         "does not do yet",
     ),
-    "later: latitude": (spoiled(START, "start = {lat = 46.1, lon = 11.2}"), "searcher[0].start", "does not do yet"),
+    "a latitude on a map without a place": (
+        spoiled(START, "start = {lat = 46.1, lon = 11.2}"),
+        "searcher[0].start",
+        "a map without a georeference",
+    ),
 }
 
 

@@ -10,7 +10,7 @@ from sooner.cli.words import amount, flight, percent, times
 from sooner.errors import DataFormatError, Fault, IllegalPlanError
 from sooner.missions import Score, read_mission, read_plan_file, score_plan
 
-__all__ = ["evaluate", "tell_collected", "tell_left", "tell_reference"]
+__all__ = ["evaluate", "tell_collected", "tell_early", "tell_left", "tell_reference"]
 
 
 def evaluate(mission_file: Path, plan_file: Path, as_json: bool) -> int:
@@ -37,9 +37,8 @@ def _tell(score: Score) -> None:
     tell_collected(score, exact)
     tell_reference(score)
     tell_left(score)
+    tell_early(score)
     if mission.sight.unit == "probability":
-        print(f"  expected time, if it finds          {times(mission, evaluation.mean_time_if_found)}")
-        print(f"  expected time, found or flown out   {times(mission, evaluation.expected_time)}")
         for target, time in result["time_to"].items():
             if time is not None:
                 print(f"  {float(target):4.0%} found after                    {times(mission, time)}")
@@ -83,6 +82,17 @@ def tell_left(score: Score) -> None:
     print(f"  looked at, and missed               {percent(score.missed)}")
     if mission.belief.outside:
         print(f"  outside this map                    {percent(mission.belief.outside)}")
+
+
+def tell_early(score: Score) -> None:
+    """When it comes in."""
+    mission, evaluation = score.mission, score.evaluation
+    if mission.sight.unit != "bits":
+        print(f"  expected time, if it finds          {times(mission, evaluation.mean_time_if_found)}")
+    if mission.sight.unit == "probability":
+        print(f"  expected time, found or flown out   {times(mission, evaluation.expected_time)}")
+    if mission.over_regions:
+        print(f"  how early                           {percent(score.early_share)}   (100 %: all of it at once)")
 
 
 def _tell_ground(score: Score) -> None:

@@ -7,7 +7,7 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
-from sooner.cli.evaluate import tell_collected, tell_left, tell_reference
+from sooner.cli.evaluate import tell_collected, tell_early, tell_left, tell_reference
 from sooner.cli.exits import DONE, INTERRUPTED, say, uninterrupted
 from sooner.cli.progress import Watch
 from sooner.cli.words import amount, flight, percent, steps
@@ -76,5 +76,19 @@ def _tell(mission: Mission, planned: Planned, result: dict[str, Any], folder: Fo
         print(f"  no flight gets there before         {steps(mission, -best.bound)}   (proof: {best.bound_proof})")
     tell_reference(score)
     tell_left(score)
+    if mission.over_regions:
+        tell_early(score)
+    _tell_planned(planned)
     print(f"plan     {folder.path / 'plan.csv'}")
     print(f"picture  {folder.path / 'plan.png'}")
+
+
+def _tell_planned(planned: Planned) -> None:
+    """What was given up to have it early, and what was said between drones."""
+    late, exchange = planned.late, planned.exchange
+    if late is not None:
+        less = max(0.0, 1.0 - planned.score.evaluation.total / late.total)
+        told = percent(late.early_share)
+        print(f"  brought forward from                {told}   at the cost of {less:.2%} of the total")
+    if exchange is not None:
+        print(f"  messages between drones             {exchange.sent:6d}     of which {exchange.lost} were lost")

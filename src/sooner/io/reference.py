@@ -41,6 +41,8 @@ def keys_table(model: type[BaseModel], words: Mapping[Any, str], but: tuple[str,
 def _toml(value: Any) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_toml, value))}]"
+    if isinstance(value, bool):
+        return str(value).lower()
     return f'"{value}"' if isinstance(value, str) else str(value)
 
 

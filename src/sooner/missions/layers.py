@@ -29,6 +29,7 @@ class Layers:
     difficulty, glimpse : (H, W) float
     obstacles : (H, W) bool
     cell_m : float                  metres between cell centres
+    first : Raster                  the raster on whose cells all others lie, with its place on the globe
     """
 
     shape: tuple[int, int] | None = None
@@ -38,6 +39,7 @@ class Layers:
     glimpse: Floats | None = None
     obstacles: NDArray[np.bool_] | None = None
     cell_m: float | None = None
+    first: Raster | None = None
 
     @classmethod
     def read(cls, faults: Faults, settings: Settings) -> Layers:
@@ -58,6 +60,7 @@ class Layers:
             _numbers(faults, "sensor.glimpse", glimpse, 0.0, 1.0, missing=None),
             _obstacles(faults, obstacles, first),
             _cell_m(faults, settings, first),
+            first,
         )
 
 

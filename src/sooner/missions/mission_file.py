@@ -89,6 +89,7 @@ def read_mission(path: Path) -> Mission:
     over = OverRegions if settings.over_regions else OverCells
     search = over(faults, settings, layers, places(faults, settings, layers))
     _check_target(faults, settings)
+    _check_links(faults, settings, layers)
     faults.refuse()
     assert sight is not None
     try:
@@ -122,6 +123,19 @@ def _check_target(faults: Faults, settings: Settings) -> None:
     if target is not None and target > on_map:
         came = f"{target} came, but the person is on this map with probability {on_map:.4g}"
         faults.add("objective.detection_target", came, f"expected at most {on_map:.4g}")
+    if target is not None and settings.objective.early:
+        expected = "expected one of them: a target is reached soonest as it is"
+        faults.add("objective", "detection_target and early came", expected)
+
+
+def _check_links(faults: Faults, settings: Settings, layers: Layers) -> None:
+    """Links are between several drones, and their range is in metres."""
+    if settings.links is None:
+        return
+    if len(settings.searcher) == 1:
+        faults.add("links", "it came, and one [[searcher]]", "expected several, or no links")
+    if settings.links.range_m is not None and layers.cell_m is None and layers.shape is not None:
+        faults.add("area.cell_m", "nothing came", "expected metres: links.range_m needs the size of a cell")
 
 
 def _notes(settings: Settings, sight: Sight, problem: SearchProblem) -> list[str]:

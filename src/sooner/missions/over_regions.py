@@ -15,7 +15,7 @@ from sooner.grid import Grid
 from sooner.missions.faults import Faults
 from sooner.missions.layers import Layers
 from sooner.missions.places import Place, components
-from sooner.missions.settings import CameraSettings, Cutting, Settings
+from sooner.missions.settings import CameraSettings, Cutting, Searching, Settings
 from sooner.missions.sight import Sight
 from sooner.motion.kinematics import Dynamics
 from sooner.problem import SearchProblem
@@ -42,11 +42,14 @@ class OverRegions:
         self.faults, self.settings, self.layers, self.places = faults, settings, layers, places
         self.notes: tuple[str, ...] = ()
         self._check_keys()
-        self.reach = _Reach.of(faults, settings)
-        self.sweep = self._sweep()
+        seen = _Reach.of(faults, settings)
+        self.reaches = [seen.ahead(settings.sensor.range_m, each.accel_mps2) for each in settings.searcher]
+        self.sweeps = self._sweeps()
         self.free = self._free()
-        if self.sweep is not None and self.sweep.dynamics.v_max < (settings.searcher[0].speed_mps or 0.0):
-            self.notes += (f"{self.reach.why} allows {self.sweep.dynamics.v_max:.3g} m/s; nothing flies faster",)
+        for reach, said in zip(self.reaches, settings.searcher, strict=True):
+            if reach.speed_mps < (said.speed_mps or 0.0):
+                note = f"{reach.why} allows {reach.speed_mps:.3g} m/s; nothing flies faster"
+                self.notes += (note,) if note not in self.notes else ()
 
     def _check_keys(self) -> None:
         add, settings = self.faults.add, self.settings
@@ -67,9 +70,9 @@ class OverRegions:
                 if getattr(searcher, key) is None:
                     add(f"searcher[{number}].{key}", "nothing came", f"expected {unit}: over regions flights are timed")
 
-    def _sweep(self) -> Sweep | None:
-        """How regions are flown; None where something is missing."""
-        first, cell_m, radius_m = self.settings.searcher[0], self.layers.cell_m, self.reach.radius_m
+    def _sweeps(self) -> list[Sweep] | None:
+        """How each drone flies regions; None where something is missing."""
+        cell_m, radius_m = self.layers.cell_m, self.reaches[0].radius_m
         cutting = self.settings.regions or Cutting()
         if radius_m is None:
             return None
@@ -82,10 +85,21 @@ class OverRegions:
             came = f"{spacing_m:g} m came, and looks reach {radius_m:.3g} m"
             expected = f"expected at most twice as much, {2 * radius_m:.3g} m: the ground between lines must be seen"
             self.faults.add("regions.spacing_m", came, expected)
-        speed, accel = min(first.speed_mps or inf, self.reach.speed_mps), first.accel_mps2
-        if not 0 < speed < inf or accel is None:
+        found = [each.dynamics(said) for each, said in zip(self.reaches, self.settings.searcher, strict=True)]
+        flown = [dynamics for dynamics in found if dynamics is not None]
+        if len(flown) < len(found):
             return None
-        return Sweep(Dynamics(speed, accel), radius_m, spacing_m, cutting.ways == "taut", cutting.turns == "rounded")
+        return [
+            Sweep(
+                dynamics,
+                radius_m,
+                spacing_m,
+                taut=cutting.ways == "taut",
+                round_turns=cutting.turns == "rounded",
+                looks=cutting.looks,
+            )
+            for dynamics in flown
+        ]
 
     def _free(self) -> NDArray[np.bool_] | None:
         """(H, W) bool: free ground that can be reached from some start."""
@@ -113,14 +127,14 @@ class OverRegions:
         DataFormatError        where there is not enough time, or too little ground around the start
         """
         assert self.free is not None
-        assert self.sweep is not None
+        assert self.sweeps is not None
         assert self.layers.cell_m is not None
         seconds = self.settings.budget.seconds or 0.0
         grid = Grid(self.free.shape, "square8", self.layers.cell_m, None if self.free.all() else ~self.free)
         starts, ends = zip(*self.places, strict=True)
         try:
-            regions = self._regions(grid, sight, self.sweep.radius_m)
-            posed = region_problem(grid, regions, self.sweep, sight.rows, starts, seconds, ends, sight.objective)
+            regions = self._regions(grid, sight, self.sweeps[0].radius_m)
+            posed = region_problem(grid, regions, self.sweeps, sight.rows, starts, seconds, ends, sight.objective)
         except InfeasibleProblemError as error:
             self.faults.add("budget.seconds", re.sub(r"^searcher \d+: ", "", str(error)), "expected more time")
         except InvalidProblemError as error:
@@ -180,23 +194,31 @@ class _Reach:
     speed_mps: float = inf
     why: str = ""
 
+    def dynamics(self, said: Searching) -> Dynamics | None:
+        """How a drone flies whose sensors let it; None where the file does not say."""
+        speed = min(said.speed_mps or inf, self.speed_mps)
+        return Dynamics(speed, said.accel_mps2) if 0 < speed < inf and said.accel_mps2 is not None else None
+
+    def ahead(self, range_m: float | None, accel: float | None) -> _Reach:
+        """The same for a drone that must stop within what it sees of obstacles."""
+        if range_m is None or accel is None:
+            return self
+        caps = [(self.speed_mps, self.why), (float(speed_to_stop(range_m, accel)), "sensor.range_m")]
+        return _Reach(self.radius_m, *min(caps))
+
     @classmethod
     def of(cls, faults: Faults, settings: Settings) -> _Reach:
-        """From the radius or the camera, and from how far ahead obstacles are seen."""
-        sensor, accel = settings.sensor, settings.searcher[0].accel_mps2
-        caps = [(inf, "")]
-        radius_m = sensor.radius_m
+        """From the radius or the camera."""
+        sensor = settings.sensor
         if sensor.camera is not None and sensor.radius_m is not None:
             faults.add("sensor", "radius_m and camera came", "expected one of them")
         elif sensor.camera is not None:
             radius_m, sharp = _seen(faults, sensor.camera)
-            caps.append((sharp, "[sensor.camera]"))
-        elif radius_m is None and not faults.among("sensor.radius_m") and not faults.among("sensor.camera"):
+            return cls(radius_m, sharp, "[sensor.camera]")
+        elif sensor.radius_m is None and not faults.among("sensor.radius_m") and not faults.among("sensor.camera"):
             expected = "expected metres, or a camera: over regions cells so near to the path are looked at"
             faults.add("sensor.radius_m", "nothing came", expected)
-        if sensor.range_m is not None and accel is not None:
-            caps.append((float(speed_to_stop(sensor.range_m, accel)), "sensor.range_m"))
-        return cls(radius_m, *min(caps))
+        return cls(sensor.radius_m)
 
 
 def _seen(faults: Faults, said: CameraSettings) -> tuple[float | None, float]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -22,18 +23,21 @@ from sooner.io import Folder, plan_csv, read_plan, read_region_plan, region_plan
 from sooner.io.region_plans import stages
 from sooner.missions.mission_file import Mission
 from sooner.missions.score import Score, finite, objective_name, score_plan
-from sooner.planners import Planner, Progress, Solution, max_seconds, solve
+from sooner.missions.settings import Hearing
+from sooner.planners import Planner, Progress, Solution, Status, max_seconds, solve
 from sooner.planners.by_moves import moves_of
+from sooner.planners.decentralised import Decentralised, Exchange, Links
 from sooner.planners.proved import Proved
 from sooner.planners.receding import Receding
 from sooner.planners.registry import DEFAULT, PLANNERS, make_planner
 from sooner.planners.soonest import Soonest
 from sooner.planners.team import Team
-from sooner.problem import Plan, SearchProblem
+from sooner.problem import Evaluation, Plan, SearchProblem, evaluate
 
 __all__ = ["FILES", "Planned", "plan_file", "plan_mission", "read_plan_file", "wrapped"]
 
 FILES = ("plan.csv", "plan.json", "plan.png")
+EARLY = 0.2  # share of the planning time in which a plan is brought forward
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,11 +49,15 @@ class Planned:
     score : Score               the plan and what it is worth
     solution : Solution         how the planner came to it, and what is proved
     planner : str               the planner's name
+    late : Evaluation or None   of the plan as it was before it was brought forward; None where it was not
+    exchange : Exchange or None how drones that plan for themselves came to it
     """
 
     score: Score
     solution: Solution
     planner: str
+    late: Evaluation | None = None
+    exchange: Exchange | None = None
 
     def result(self, plan_file: str | None) -> dict[str, Any]:
         """The object that `sooner plan --json` prints."""
@@ -72,9 +80,28 @@ class Planned:
             "plan_file": plan_file,
             "searchers": self._searchers(),
             **{key: value for key, value in scored.items() if key not in ("objective", "value", "efficiency")},
+            "brought_forward": self._brought_forward(),
+            "links": self._links(),
             "trace": [[round(p.seconds, 3), finite(p.value), finite(p.bound)] for p in self.solution.trace],
             "version": sooner.__version__,
         }
+
+    def _brought_forward(self) -> dict[str, Any] | None:
+        """What the plan was before, and what share of that it keeps."""
+        if self.late is None:
+            return None
+        before = {"value": finite(self.late.total), "early_share": finite(self.late.early_share)}
+        return {"kept": finite(self.score.evaluation.total / self.late.total), "before": before}
+
+    def _links(self) -> dict[str, Any] | None:
+        """What was said between drones that plan for themselves, and whose flights each knows at last."""
+        if self.exchange is None:
+            return None
+        messages = [[each.turn, each.sender, each.receiver, each.heard] for each in self.exchange.messages]
+        knows = [np.flatnonzero(row).tolist() for row in self.exchange.knows]
+        believed = [finite(value) for value in self.exchange.believed]
+        counts = {"sent": self.exchange.sent, "lost": self.exchange.lost}
+        return {**counts, "knows": knows, "believed": believed, "messages": messages}
 
     def _searchers(self) -> list[dict[str, Any]]:
         problem, plan = self.score.mission.problem, self.score.plan
@@ -144,19 +171,43 @@ def plan_mission(
     if not (np.isfinite(seconds) and seconds > 0):
         raise InvalidProblemError(f"a planning time of {seconds} s came; expected a finite number above 0")
     name = DEFAULT if planner is None else planner
-    chosen = _choose(mission.problem, name)
+    told: list[Exchange] = []
+    chosen = _choose(mission.problem, name, mission.settings.links, told.append)
+    wants_early = mission.settings.wants_early
+    stop = max_seconds(seconds * (1.0 - EARLY) if wants_early else seconds)
     try:
-        solution = solve(mission.problem, chosen, stop=max_seconds(seconds), seed=seed, on_tick=on_tick)
+        solution = solve(mission.problem, chosen, stop=stop, seed=seed, on_tick=on_tick)
     except InfeasibleProblemError as error:
         raise DataFormatError(
             Fault(str(mission.path), "searcher", str(error), "expected a flight that can be flown")
         ) from None
-    return Planned(score_plan(mission, solution.best.plan), solution, name)
+    late = None
+    if wants_early and not told and solution.status is not Status.INTERRUPTED:
+        solution, late = _brought_forward(mission.problem, solution, seconds * EARLY)
+    exchange = told[0] if told else None
+    return Planned(score_plan(mission, solution.best.plan), solution, name, late, exchange)
 
 
-def _choose(problem: SearchProblem, name: str) -> Planner:
+def _brought_forward(problem: SearchProblem, solution: Solution, seconds: float) -> tuple[Solution, Evaluation | None]:
+    """The solution with its plan brought forward, and what the plan was before; None where nothing was gained."""
+    from sooner.planners.region_early import brought_forward_within
+
+    plan = solution.best.plan
+    early = brought_forward_within(problem, plan, seconds)
+    if early == plan:
+        return solution, None
+    best = replace(solution.best, plan=early, value=evaluate(problem, early).value)
+    return replace(solution, best=best), evaluate(problem, plan)
+
+
+def _choose(problem: SearchProblem, name: str, links: Hearing | None, tell: Callable[[Exchange], None]) -> Planner:
     """The planner of that name, wrapped for what the problem asks, with the proof beside it."""
-    planner = wrapped(problem, make_planner(name))
+    planner = make_planner(name)
+    if links is not None:
+        range_m = inf if links.range_m is None else links.range_m
+        planner = Decentralised(planner, Links(range_m, links.loss, links.relays), tell=tell)
+    else:
+        planner = wrapped(problem, planner)
     why = planner.handles(problem)
     if why is not None:
         kind = moves_of(problem)

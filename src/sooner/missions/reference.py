@@ -5,7 +5,18 @@ from __future__ import annotations
 from pydantic import BaseModel
 
 from sooner.io.reference import about, keys_table
-from sooner.missions.settings import Area, Budget, CameraSettings, Cutting, Place, Searching, Sensor, Settings, Wish
+from sooner.missions.settings import (
+    Area,
+    Budget,
+    CameraSettings,
+    Cutting,
+    Hearing,
+    Place,
+    Searching,
+    Sensor,
+    Settings,
+    Wish,
+)
 
 __all__ = ["reference_page"]
 
@@ -58,6 +69,7 @@ _TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[budget]", Budget),
     ("[objective]", Wish),
     ("[regions]", Cutting),
+    ("[links]", Hearing),
 )
 
 _WORDS = {list: "[row, col]", Place: "{lat, lon}", CameraSettings: "table"}

@@ -124,22 +124,26 @@ class Score:
         return 1.0 - self.evaluation.mean_time_if_found / max(each.budget for each in self.mission.problem.searchers)
 
     def effort(self, variant: Variant = "corrected") -> Effort | None:
-        """What the flight spares people on the ground; None but over evidence with one sensor for all cells.
+        """What the flight spares people on the ground; None but over evidence of whether a target is there.
+
+        Over `poc` cells are not each by themselves: all of them together hold one person.
 
         Parameters
         ----------
         variant : str         "corrected", or "printed": eq. (11) as it stands in [Kuhlman2017]
         """
         sight, free = self.mission.sight, self.mission.problem.grid.passable
-        if not (isinstance(sight.known, EvidenceGrid) and isinstance(sight.detect, float)):
+        if not isinstance(sight.known, EvidenceGrid):
             return None
-        theta, looks = np.ravel(sight.theta)[free], self.looks[free]
-        mean = [
-            float(
-                expected_effort(theta, seen, sight.detect, sight.false_alarm, threshold=GIVE_UP, variant=variant).mean()
-            )
-            for seen in (np.zeros_like(looks), looks)
-        ]
+        theta, detect, looks = np.ravel(sight.theta)[free], np.ravel(sight.glimpse)[free], self.looks[free]
+        effort = np.zeros((2, theta.size))
+        for glimpse in np.unique(detect):  # a level of difficulty each, or one for all
+            here = detect == glimpse
+            for row, seen in zip(effort, (np.zeros_like(looks), looks), strict=True):
+                row[here] = expected_effort(
+                    theta[here], seen[here], float(glimpse), sight.false_alarm, threshold=GIVE_UP, variant=variant
+                )
+        mean = [float(row.mean()) for row in effort]
         return Effort(*mean)
 
     def result(self) -> dict[str, Any]:
@@ -162,7 +166,7 @@ class Score:
             "steps": None if mission.over_regions else [len(actions) - 1 for actions in self.plan.actions],
             "duration_s": finite(self.seconds),
             "expected_time": finite(evaluation.expected_time) if probability else None,
-            "mean_time_if_found": finite(evaluation.mean_time_if_found) if probability else None,
+            "mean_time_if_found": finite(evaluation.mean_time_if_found) if mission.sight.unit != "bits" else None,
             "time_to": {f"{t:g}": finite(evaluation.time_to(t)) if probability else None for t in TARGETS},
             "time_to_share": {f"{t:g}": finite(evaluation.time_to(t * evaluation.total)) for t in TARGETS},
             "early_share": finite(self.early_share),

@@ -15,6 +15,7 @@ __all__ = [
     "Budget",
     "CameraSettings",
     "Cutting",
+    "Hearing",
     "Place",
     "Searching",
     "Sensor",
@@ -121,11 +122,10 @@ class Searching(_Table):
     """`[[searcher]]`: a drone."""
 
     start: Cell | Place | None = Field(
-        default=None, description="[row, col] where it starts (required); lat and lon: not yet"
+        default=None,
+        description="[row, col] where it starts (required), or { lat = 46.1, lon = 11.2 } on a georeferenced map",
     )
-    end: Cell | Place | None = Field(
-        default=None, description="[row, col] where it must be at the end; lat and lon: not yet"
-    )
+    end: Cell | Place | None = Field(default=None, description="where it must be at the end, likewise")
     moves: Literal["cells", "regions", "waypoints"] = Field(
         default="cells",
         description="`cells`: a cell a step; `regions`: whole regions, with true accelerations (`waypoints`: not yet)",
@@ -134,7 +134,8 @@ class Searching(_Table):
         default="copter", description="a copter may hover; a fixed wing neither hovers nor turns straight back"
     )
     speed_mps: Speed | None = Field(
-        default=None, description="metres a second, the same for all; turns steps into seconds; over regions the most"
+        default=None,
+        description="metres a second; over cells the same for all, turns steps into seconds; over regions the most",
     )
     accel_mps2: Speed | None = Field(default=None, description="over regions: the most, metres a second squared")
 
@@ -161,6 +162,24 @@ class Wish(_Table):
     detection_target: float | None = Field(
         default=None, gt=0, le=1, description="over `poc` and cells: reach this CDP as soon as possible"
     )
+    early: bool | None = Field(
+        default=None,
+        description="over regions: give up at most 0.5 % of the total to have the rest sooner. Left out: so for "
+        "detection, as a find counts when it is made; not for information, which is read after the flight",
+    )
+
+
+class Hearing(_Table):
+    """`[links]`: what drones hear of one another before they take off; given, each plans for itself.
+
+    A drone counts only the plans that it has heard. Left out, one computer plans for all.
+    """
+
+    range_m: NotNegative | None = Field(
+        default=None, description="between starts that hear each other. Left out: all do"
+    )
+    loss: float = Field(default=0.0, ge=0, le=1, description="probability that a message in range is lost")
+    relays: bool = Field(default=True, description="whether drones pass on the plans that they have heard")
 
 
 class Cutting(_Table):
@@ -191,6 +210,11 @@ class Cutting(_Table):
     turns: Literal["stop", "rounded"] = Field(
         default="stop", description="at waypoints: stop, or fly an arc where that is quicker"
     )
+    looks: Literal["passes", "actions"] = Field(
+        default="passes",
+        description="a cell is looked at each time that it comes into view, however ground is cut; or once in each "
+        "search and flight that sees it, as in the paper",
+    )
     ways: Literal["taut", "pruned"] = Field(
         default="taut", description="around obstacles: pulled tight, or as the paper prunes them"
     )
@@ -206,11 +230,19 @@ class Settings(_Table):
     budget: Budget = Budget()
     objective: Wish = Wish()
     regions: Cutting | None = None
+    links: Hearing | None = None
 
     @property
     def over_regions(self) -> bool:
         """Whether drones move over regions; all do, or none."""
         return any(searcher.moves == "regions" for searcher in self.searcher)
+
+    @property
+    def wants_early(self) -> bool:
+        """Whether a plan is to be brought forward."""
+        if not self.over_regions or self.objective.detection_target is not None:
+            return False
+        return self.objective.kind == "detection" if self.objective.early is None else self.objective.early
 
 
 def not_yet(settings: Settings, file: str) -> list[Fault]:
@@ -231,11 +263,12 @@ def not_yet(settings: Settings, file: str) -> list[Fault]:
         ):
             refuse("objective.detection_target", f"a target over {over}", "leave it out: the most by the end")
             break
-    speeds = [(searcher.speed_mps, searcher.accel_mps2) for searcher in settings.searcher]
-    for number, pair in enumerate(speeds):
-        for which, key in enumerate(("speed_mps", "accel_mps2")):
-            if pair[which] != speeds[0][which]:
-                refuse(f"searcher[{number}].{key}", "another one than searcher[0]'s", "give all the same")
+    if settings.objective.early and not settings.over_regions:
+        refuse("objective.early", "an early plan over cells", "leave it out, or give a detection_target")
+    for number, searcher in enumerate(settings.searcher):
+        if not settings.over_regions and searcher.speed_mps != settings.searcher[0].speed_mps:
+            instead = 'give all the same, as all step together, or moves = "regions"'
+            refuse(f"searcher[{number}].speed_mps", "another one than searcher[0]'s over cells", instead)
     for number, searcher in enumerate(settings.searcher):
         _refuse_searcher(f"searcher[{number}]", searcher, settings.searcher[0], refuse)
     return faults
@@ -254,6 +287,3 @@ def _refuse_searcher(key: str, searcher: Searching, first: Searching, refuse: Ca
             "an acceleration over cells",
             'give moves = "regions", or leave it out: steps take cell_m / speed_mps',
         )
-    for name in ("start", "end"):
-        if isinstance(getattr(searcher, name), Place):
-            refuse(f"{key}.{name}", "a latitude and longitude", "give [row, col]")
