@@ -8,18 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from sooner.campaigns.pairs import differences, differences_by_seed, paired, sign_test
+from sooner.campaigns.pooling import across, pooled
 from sooner.campaigns.results import Results, collect
-from sooner.campaigns.statistics import (
-    Estimate,
-    across,
-    differences,
-    differences_by_seed,
-    estimate,
-    paired,
-    pooled,
-    rate,
-    sign_test,
-)
+from sooner.campaigns.statistics import Estimate, estimate, rate
 from sooner.errors import InvalidProblemError
 
 NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False)
@@ -57,7 +49,7 @@ def test_a_bootstrap_of_any_sample_is_as_if_drawn_at_once(sample, statistic, res
 
 
 def test_a_large_bootstrap_is_drawn_in_parts_and_still_the_same(monkeypatch):
-    monkeypatch.setattr("sooner.campaigns.statistics._AT_ONCE", 7)
+    monkeypatch.setattr("sooner.campaigns.statistics.AT_ONCE", 7)
     sample = np.random.default_rng(3).random(31)
     assert estimate(sample, resamples=501).low == pytest.approx(at_once(sample, "mean", 501)[1], rel=1e-12)
 
@@ -289,7 +281,7 @@ def test_of_very_many_seeds_the_closed_form_agrees_with_the_bootstrap_over_seeds
     luck = rng.gamma(2.0, 1.0, 1200)
     parts = [by_seed(luck + rng.normal(size=1200) / 2), by_seed((luck + rng.normal(size=1200) / 2)[:900])]
     closed = pooled(parts, statistic)
-    monkeypatch.setattr("sooner.campaigns.statistics.BOOTSTRAP_MOST", 1200)
+    monkeypatch.setattr("sooner.campaigns.pooling.BOOTSTRAP_MOST", 1200)
     drawn = pooled(parts, statistic, 1000)
     width = drawn.high - drawn.low
     assert closed.value == drawn.value
@@ -304,7 +296,7 @@ def test_of_very_many_seeds_the_mean_of_the_instances_means_has_the_bootstraps_i
     luck = rng.normal(size=1200)
     parts = [by_seed(luck), by_seed(luck[:700] + 5.0, 300)]
     closed = across(parts)
-    monkeypatch.setattr("sooner.campaigns.statistics.BOOTSTRAP_MOST", 1200)
+    monkeypatch.setattr("sooner.campaigns.pooling.BOOTSTRAP_MOST", 1200)
     drawn = across(parts, resamples=1000)
     assert closed.value == drawn.value == pytest.approx((luck.mean() + luck[:700].mean() + 5.0) / 2)
     width = drawn.high - drawn.low

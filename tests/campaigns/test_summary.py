@@ -7,18 +7,18 @@ import statistics
 import numpy as np
 import pytest
 
+from sooner.campaigns.pairs import paired
 from sooner.campaigns.results import Results, collect
-from sooner.campaigns.statistics import estimate, paired, rate
+from sooner.campaigns.statistics import estimate, rate
 from sooner.campaigns.summary import (
-    SPOTS_APART,
     overall_csv,
     overall_rows,
     paired_csv,
     paired_rows,
     summary_csv,
-    summary_page,
     summary_rows,
 )
+from sooner.campaigns.summary_page import SPOTS_APART, summary_page
 
 
 def page_of(title: str, results: list[Results]) -> str:

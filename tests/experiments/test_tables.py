@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from sooner.campaigns.statistics import estimate, pooled, rate
+from sooner.campaigns.pooling import pooled
+from sooner.campaigns.statistics import estimate, rate
 from sooner.campaigns.study import read_study
 from sooner.errors import DataFormatError
 from sooner.experiments.tables import tables, tables_files

@@ -16,17 +16,15 @@ from numpy.typing import NDArray
 from sooner.campaigns.results import Results
 from sooner.campaigns.run import Ran
 from sooner.campaigns.summary import (
-    MACHINE_BOUND,
     SummaryRow,
     overall_csv,
     overall_rows,
     paired_csv,
     paired_rows,
-    spot_name,
     summary_csv,
-    summary_page,
     summary_rows,
 )
+from sooner.campaigns.summary_page import MACHINE_BOUND, spot_name, summary_page
 from sooner.campaigns.tidy import Kind, flat, write_tidy
 from sooner.io.writing import Folder
 

@@ -8,7 +8,7 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 from sooner.campaigns.study import Rule
-from sooner.campaigns.summary import in_cell
+from sooner.campaigns.summary_page import in_cell
 from sooner.experiments.published import Key, Published, Reproduced
 
 __all__ = ["Comparison", "compare", "comparison_markdown", "tables_markdown"]

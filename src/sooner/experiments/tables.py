@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sooner.campaigns.pairs import differences_by_seed
+from sooner.campaigns.pooling import pooled
 from sooner.campaigns.report import absent, mixed
 from sooner.campaigns.results import Results
 from sooner.campaigns.run import Ran
-from sooner.campaigns.statistics import BySeed, Estimate, differences_by_seed, pooled
+from sooner.campaigns.statistics import BySeed, Estimate
 from sooner.campaigns.study import Cell, Study, Table
 from sooner.campaigns.trial import Case
 from sooner.errors import DataFormatError, Fault
