@@ -6,20 +6,10 @@ from dataclasses import dataclass
 import pytest
 
 from sooner.cli.main import run
+from tests.small_mission import small_mission, written
 
-MISSION = """
-name = "Small"
-[area]
-poc = "poc.csv"
-cell_m = 24.0
-[sensor]
-glimpse = 0.5
-[[searcher]]
-start = [2, 2]
-speed_mps = 12.0
-[budget]
-steps = 12
-"""
+MISSION = small_mission(start=(2, 2), steps=12)
+POC = "\n".join(",".join(str((r * c) % 7) for c in range(6)) for r in range(5))
 
 
 @dataclass(frozen=True)
@@ -48,7 +38,4 @@ def sooner(capsys):
 
 @pytest.fixture
 def mission(tmp_path):
-    (tmp_path / "poc.csv").write_text("\n".join(",".join(str((r * c) % 7) for c in range(6)) for r in range(5)))
-    path = tmp_path / "mission.toml"
-    path.write_text(MISSION)
-    return path
+    return written(tmp_path, MISSION, poc_csv=POC)
