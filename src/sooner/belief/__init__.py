@@ -1,6 +1,7 @@
 """Where the person may be: a belief over cells, evidence of each cell by itself, and what looks teach of both."""
 
 from sooner.belief.belief import Belief
+from sooner.belief.cell_states import CellStates, odds_of_confidence
 from sooner.belief.effort import effort_by_looks, expected_effort, expected_search_time, search_time_limit
 from sooner.belief.evidence import BetaGrid, EvidenceGrid, binary_entropy, stationary_theta, theta_from_counts
 from sooner.belief.information import (
@@ -15,6 +16,7 @@ from sooner.belief.update import predict, update_on_miss
 __all__ = [
     "Belief",
     "BetaGrid",
+    "CellStates",
     "EvidenceGrid",
     "beta_information",
     "beta_information_table",
@@ -25,6 +27,7 @@ __all__ = [
     "information",
     "information_table",
     "look_information",
+    "odds_of_confidence",
     "predict",
     "search_time_limit",
     "stationary_theta",

@@ -79,6 +79,11 @@ class GradedSensor:
         return _normalised(self.values - self.sensitivity)
 
     @cached_property
+    def p_levels(self) -> NDArray[np.float64]:
+        """(2, n) float: `p_noise` and `p_signal`, as beliefs take them."""
+        return np.stack([self.p_noise, self.p_signal])
+
+    @cached_property
     def likelihood_ratios(self) -> NDArray[np.float64]:
         """(n,) float: P(level | signal) / P(level | noise)."""
         return self.p_signal / self.p_noise
