@@ -9,7 +9,9 @@ from sooner.belief import CellStates, odds_of_confidence
 from sooner.errors import InvalidProblemError
 from sooner.sensors import GradedSensor
 
-MAP, TARGET = GradedSensor(4.0, 25).p_levels, GradedSensor(3.0, 13).p_levels
+MAP_SENSOR, TARGET_SENSOR = GradedSensor(4.0, 25), GradedSensor(3.0, 13)
+MAP, TARGET = MAP_SENSOR.p_levels, TARGET_SENSOR.p_levels
+G, Z = MAP_SENSOR.likelihood_ratios, TARGET_SENSOR.likelihood_ratios
 
 shares = st.lists(st.floats(1e-6, 1.0), min_size=3, max_size=3)
 looks = st.lists(st.tuples(st.integers(0, 24), st.integers(0, 12)), min_size=1, max_size=30)
@@ -36,7 +38,7 @@ def joint_posterior(prior: list[float], seen: list[tuple[int, int]]) -> np.ndarr
 def test_looks_are_bayes_law_on_the_joint_table(prior: list[float], seen: list[tuple[int, int]]) -> None:
     states = one_cell(prior)
     for g, z in seen:
-        states = states.see([0], [g], [z], MAP, TARGET)
+        states = states.see([0], [G[g]], [Z[z]])
     found = [states.void[0], states.unoccupied[0], states.occupied[0]]
     assert found == pytest.approx(joint_posterior(prior, seen), rel=1e-9, abs=1e-99)
     assert states.explored[0]
@@ -46,13 +48,13 @@ def test_looks_are_bayes_law_on_the_joint_table(prior: list[float], seen: list[t
 def test_looks_commute(prior: list[float], seen: list[tuple[int, int]]) -> None:
     forward, backward = one_cell(prior), one_cell(prior)
     for (g, z), (h, y) in zip(seen, reversed(seen), strict=True):
-        forward, backward = forward.see([0], [g], [z], MAP, TARGET), backward.see([0], [h], [y], MAP, TARGET)
+        forward, backward = forward.see([0], [G[g]], [Z[z]]), backward.see([0], [G[h]], [Z[y]])
     assert forward.occupied == pytest.approx(backward.occupied, rel=1e-9)
 
 
 def test_a_blind_look_changes_nothing() -> None:
-    blind = GradedSensor(0.0).p_levels
-    states = CellStates.unknown(3).see([0, 2], [3, 4], [5, 24], blind, blind)
+    blind = GradedSensor(0.0).likelihood_ratios
+    states = CellStates.unknown(3).see([0, 2], blind[[3, 4]], blind[[5, 24]])
     for now, before in zip((states.void, states.occupied), (0.9, 0.1 * 0.5 / 3), strict=True):
         assert now == pytest.approx(before, rel=1e-14)
     assert states.explored.tolist() == [True, False, True]
@@ -69,7 +71,7 @@ def test_a_look_at_the_expected_levels_leaves_the_prior_on_average() -> None:
                 + prior[1] * MAP[1, g] * TARGET[0, z]
                 + prior[2] * MAP[1, g] * TARGET[1, z]
             )
-            states = one_cell(prior).see([0], [g], [z], MAP, TARGET)
+            states = one_cell(prior).see([0], [G[g]], [Z[z]])
             mean += chance * np.array([states.void[0], states.unoccupied[0], states.occupied[0]])
     assert mean == pytest.approx(prior, abs=1e-12)
 
@@ -80,23 +82,31 @@ def test_probabilities_stay_probabilities_over_a_million_looks_and_no_cell_is_se
     rng, n = np.random.default_rng(3), 2_000
     states = CellStates.unknown(n)
     arrays = states.void, states.unoccupied, states.occupied
-    cells = np.arange(n)
+    cells = np.arange(n, dtype=np.int32)
+
+    def look(g: np.ndarray, z: np.ndarray) -> None:
+        see(*arrays, states.explored, states.nodes, cells, G[g], Z[z], 0, n)
+
     for _ in range(500):
-        g, z = rng.integers(25, size=n), rng.integers(13, size=n)
-        see(*arrays, states.explored, states.nodes, cells, g, z, MAP, TARGET)
+        look(rng.integers(25, size=n), rng.integers(13, size=n))
     for _ in range(200):  # every look says void as loudly as can be, then every look says node and target
-        see(*arrays, states.explored, states.nodes, cells, np.zeros(n, int), np.zeros(n, int), MAP, TARGET)
+        look(np.zeros(n, int), np.zeros(n, int))
     assert (states.void > 0.999).all()
-    total = sum(arrays)
     assert all((a > 0).all() and (a <= 1).all() for a in arrays)
-    assert np.abs(total - 1.0).max() < 1e-12
+    assert np.abs(sum(arrays) - 1.0).max() < 1e-12
     for _ in range(40):
-        see(*arrays, states.explored, states.nodes, cells, np.full(n, 24), np.full(n, 12), MAP, TARGET)
+        look(np.full(n, 24), np.full(n, 12))
     assert (states.occupied > 0.999).all()
 
 
+@pytest.mark.parametrize("ratio", [0.0, -1.0, np.nan, np.inf])
+def test_a_ratio_that_is_none_is_refused(ratio: float) -> None:
+    with pytest.raises(InvalidProblemError, match="expected as many, > 0"):
+        CellStates.unknown(2).see([0], [1.0], [ratio])
+
+
 def test_a_detected_node_is_not_updated_but_counts_as_seen() -> None:
-    states = one_cell([0.1, 0.8, 0.1], node=True).see([0], [0], [0], MAP, TARGET)
+    states = one_cell([0.1, 0.8, 0.1], node=True).see([0], [G[0]], [Z[0]])
     assert (states.void[0], states.occupied[0]) == pytest.approx((0.1, 0.1))
     assert states.explored[0]
 
@@ -125,18 +135,11 @@ def test_95_percent_are_odds_of_19() -> None:
 
 def test_false_nodes_are_no_likelier_than_the_threshold_allows() -> None:
     """P(the odds ever reach 19 | void) <= prior odds / 19: Bayes factors are a martingale of mean one (Ville)."""
-    from sooner.belief._cell_state_kernels import see
-
     rng, n, sensor = np.random.default_rng(11), 20_000, GradedSensor()
-    states = CellStates.unknown(n)
-    empty = np.zeros(n, bool)
+    states, empty, ratios = CellStates.unknown(n), np.zeros(n, bool), sensor.likelihood_ratios
     for _ in range(30):
-        g, z = sensor.draw(empty, rng), sensor.draw(empty, rng)
-        see(
-            states.void, states.unoccupied, states.occupied, states.explored, states.nodes,
-            np.arange(n), g, z, sensor.p_levels, sensor.p_levels,
-        )  # fmt: skip
-        states, _ = states.detect_nodes(19.0)
+        looks = (ratios[sensor.draw(empty, rng)] for _ in range(2))
+        states, _ = states.see(np.arange(n), *looks).detect_nodes(19.0)
     assert 0 < states.nodes.mean() < (0.1 / 0.9) / 19.0 * 1.2
 
 
@@ -145,7 +148,7 @@ def test_ratios_set_the_cells_of_nodes() -> None:
     assert states.void[[1, 3]].tolist() == [0.0, 0.0]
     assert states.occupied[[1, 3]] == pytest.approx([0.0, 0.75])
     assert states.void[0] == 0.9
-    with pytest.raises(InvalidProblemError, match="expected one each, at least 0"):
+    with pytest.raises(InvalidProblemError, match="expected as many, none below 0"):
         states.with_ratios([1], [float("nan")])
 
 
@@ -156,7 +159,7 @@ def test_the_prior_shares_the_target_among_all_cells() -> None:
 
 
 def test_expected_streets_reach_only_cells_never_in_view() -> None:
-    states = CellStates.unknown(4).see([0], [20], [5], MAP, TARGET)
+    states = CellStates.unknown(4).see([0], [G[20]], [Z[5]])
     after = states.expecting(np.array([0.5, 0.5, 0.2, 0.99]), absent=0.4)
     assert after.void[0] == states.void[0]
     assert after.void[1:].tolist() == [0.5, 0.2, 0.99]

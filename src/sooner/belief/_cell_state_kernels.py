@@ -6,35 +6,35 @@ LEAST = 1e-100  # of a probability: certainty could never be taken back
 
 
 @njit(cache=True, nogil=True)
-def see(void, unoccupied, occupied, explored, nodes, cells, map_levels, target_levels, p_map, p_target):
-    """Bayes' law for the cells in view of one searcher, but for those whose node is detected.
+def see(void, unoccupied, occupied, explored, nodes, cells, map_ratios, target_ratios, start, end):
+    """Bayes' law for looks `start` to `end` of a log, one after another, but in cells whose node is detected.
 
-    void, unoccupied, occupied : (M,) float, explored : (M,) bool, all written; nodes : (M,) bool;
-    cells, map_levels, target_levels : (k,) int64; p_map : (2, n_g), p_target : (2, n_z) float, of noise and of signal.
+    void, unoccupied, occupied : (M,) float, explored : (M,) bool, all written; nodes : (M,) bool; cells : (L,) int32,
+    map_ratios : (L,) float, P(level | node) / P(level | void); target_ratios : (L,) float, P(level | target) / without.
     """
-    for i in range(cells.shape[0]):
+    for i in range(start, end):
         cell = cells[i]
         explored[cell] = True
         if nodes[cell]:
             continue
-        g, z = map_levels[i], target_levels[i]
-        v = void[cell] * (p_map[0, g] * p_target[0, z])
-        u = unoccupied[cell] * (p_map[1, g] * p_target[0, z])
-        o = occupied[cell] * (p_map[1, g] * p_target[1, z])
-        seen = v + u + o
-        void[cell] = max(v / seen, LEAST)
-        unoccupied[cell] = max(u / seen, LEAST)
-        occupied[cell] = max(o / seen, LEAST)
+        v = void[cell]
+        u = unoccupied[cell] * map_ratios[i]
+        o = occupied[cell] * (map_ratios[i] * target_ratios[i])
+        scale = 1.0 / (v + u + o)
+        void[cell] = max(v * scale, LEAST)
+        unoccupied[cell] = max(u * scale, LEAST)
+        occupied[cell] = max(o * scale, LEAST)
 
 
 @njit(cache=True, nogil=True)
-def detect_nodes(void, unoccupied, occupied, nodes, cells, odds, found):
+def detect_nodes(void, unoccupied, occupied, nodes, cells, start, end, odds, found):
     """Detect nodes in those cells where the odds (u + o) / v reach a threshold; returns how many are new.
 
-    cells : (k,) int64, a cell may come twice; nodes : (M,) bool, written; found : (k,) int64, its head written.
+    cells : (L,) int32, of which `start` to `end` are tried, and may come twice; nodes : (M,) bool, written;
+    found : (end - start or more,) int64, its head written.
     """
     n_found = 0
-    for i in range(cells.shape[0]):
+    for i in range(start, end):
         cell = cells[i]
         if not nodes[cell] and unoccupied[cell] + occupied[cell] >= odds * void[cell]:
             nodes[cell] = True
@@ -44,10 +44,13 @@ def detect_nodes(void, unoccupied, occupied, nodes, cells, odds, found):
 
 
 @njit(cache=True, nogil=True)
-def detect_target(void, unoccupied, occupied, cells, odds):
-    """Of the cells where the odds o / (v + u) reach a threshold the likeliest to be occupied; -1 where there is none."""
+def detect_target(void, unoccupied, occupied, cells, start, end, odds):
+    """The likeliest cell to be occupied of those where the odds o / (v + u) reach a threshold; -1 where none does.
+
+    cells : (L,) int32, of which `start` to `end` are tried.
+    """
     best = -1
-    for i in range(cells.shape[0]):
+    for i in range(start, end):
         cell = cells[i]
         likely = occupied[cell] >= odds * (void[cell] + unoccupied[cell])
         if likely and (best < 0 or occupied[cell] > occupied[best]):

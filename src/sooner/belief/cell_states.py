@@ -111,36 +111,45 @@ class CellStates:
         o = held * ((1.0 - absent) / held.sum())
         return cls((~held).astype(np.float64), held - o, o, np.ones(held.size, bool), held)
 
-    def see(
-        self, cells: ArrayLike, map_levels: ArrayLike, target_levels: ArrayLike, p_map: Floats, p_target: Floats
-    ) -> CellStates:
-        """What one searcher's look at some cells teaches of them; cells whose node is detected stay as they are.
+    def see(self, cells: ArrayLike, map_ratios: ArrayLike, target_ratios: ArrayLike) -> CellStates:
+        """What looks at some cells teach of them; cells whose node is detected stay as they are.
 
-        v' = v g(l|V) z(f|V,U) / p(l, f),  u' = u g(l|U,O) z(f|V,U) / p(l, f),  o' = o g(l|U,O) z(f|O) / p(l, f)
-
-        [Wolek2020, eq. (7) to (9)]
+        v' = v / c,  u' = u G / c,  o' = o G Z / c,  c = v + u G + o G Z          [Wolek2020, eq. (7) to (9)]
 
         Parameters
         ----------
-        cells : (k,) int64                     each at most once
-        map_levels, target_levels : (k,) int64 what the two sensors report
-        p_map : (2, n_g) float                 P(level | void) and P(level | node), as `GradedSensor.p_levels`
-        p_target : (2, n_z) float              P(level | no target) and P(level | target)
+        cells : (k,) int                 a cell may come more than once
+        map_ratios : (k,) float          G = P(level | node) / P(level | void) of what the map sensor reports
+        target_ratios : (k,) float       Z = P(level | target) / P(level | none) of what the target sensor reports
+
+        Raises
+        ------
+        InvalidProblemError              if the three differ in length, or a ratio is not positive and finite
+
+        Notes
+        -----
+        Numerators and denominators of the paper are divided by g(l|V) z(f|V,U), so that sensors may differ.
         """
         from sooner.belief._cell_state_kernels import see
 
+        where = np.ascontiguousarray(cells, np.int32)
+        g, z = np.ascontiguousarray(map_ratios, np.float64), np.ascontiguousarray(target_ratios, np.float64)
+        if not where.shape == g.shape == z.shape or not ((g > 0) & (z > 0) & np.isfinite(g * z)).all():
+            raise InvalidProblemError(
+                f"{g.size} and {z.size} ratios came for {where.size} cells; expected as many, > 0"
+            )
         after = self.copy()
-        where, g, z = (np.ascontiguousarray(a, np.int64) for a in (cells, map_levels, target_levels))
-        see(after.void, after.unoccupied, after.occupied, after.explored, after.nodes, where, g, z, p_map, p_target)
+        see(after.void, after.unoccupied, after.occupied, after.explored, after.nodes, where, g, z, 0, where.size)
         return after
 
     def detect_nodes(self, odds: float = 19.0) -> tuple[CellStates, NDArray[np.int64]]:
-        """Detect a node wherever (1 - v) / v reaches the odds; also the cells that are new [Wolek2020, section II.D]."""
+        """Detect nodes where (1 - v) / v reaches the odds; also the cells that are new [Wolek2020, section II.D]."""
         from sooner.belief._cell_state_kernels import detect_nodes
 
-        after, cells = self.copy(), np.flatnonzero(self.explored)
+        after, cells = self.copy(), self._seen
         found = np.empty(cells.size, np.int64)
-        n = detect_nodes(after.void, after.unoccupied, after.occupied, after.nodes, cells, float(odds), found)
+        three = after.void, after.unoccupied, after.occupied
+        n = detect_nodes(*three, after.nodes, cells, 0, cells.size, float(odds), found)
         return after, found[:n]
 
     def detect_target(self, odds: float = 19.0) -> int | None:
@@ -150,8 +159,13 @@ class CellStates:
         """
         from sooner.belief._cell_state_kernels import detect_target
 
-        cell = detect_target(self.void, self.unoccupied, self.occupied, np.flatnonzero(self.explored), float(odds))
+        cells = self._seen
+        cell = detect_target(self.void, self.unoccupied, self.occupied, cells, 0, cells.size, float(odds))
         return int(cell) if cell >= 0 else None
+
+    @property
+    def _seen(self) -> NDArray[np.int32]:
+        return np.flatnonzero(self.explored).astype(np.int32)
 
     def with_ratios(self, cells: ArrayLike, ratios: ArrayLike) -> CellStates:
         """Cells of nodes set by the likelihood ratio of a target there: (v, u, o) = (0, 1, ratio) / (ratio + 1).
@@ -164,7 +178,7 @@ class CellStates:
         where, values = np.ascontiguousarray(cells, np.int64), np.ascontiguousarray(ratios, np.float64)
         if where.shape != values.shape or not (values >= 0).all() or not np.isfinite(values).all():
             raise InvalidProblemError(
-                f"{values.size} ratios came for {where.size} cells; expected one each, at least 0"
+                f"{values.size} ratios came for {where.size} cells; expected one each, not below 0"
             )
         set_nodes(after.void, after.unoccupied, after.occupied, where, values)
         return after
@@ -185,5 +199,5 @@ class CellStates:
 
     def copy(self) -> CellStates:
         """The same, on arrays of its own."""
-        arrays = self.void, self.unoccupied, self.occupied
-        return CellStates(*(a.copy() for a in arrays), self.explored.copy(), self.nodes.copy())
+        v, u, o = self.void.copy(), self.unoccupied.copy(), self.occupied.copy()
+        return CellStates(v, u, o, self.explored.copy(), self.nodes.copy())
