@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import io
-import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +14,8 @@ from sooner.plotting.curves import draw_curve
 from sooner.plotting.flight import draw_clock, draw_ends, draw_key, draw_legend, draw_path, draw_scale, duration
 from sooner.plotting.layers import Layer, glimpse_layer, looks_layer, time_layer
 from sooner.plotting.measure import PROBABILITY, Measure
-from sooner.plotting.style import INK, PAPER, STYLE
+from sooner.plotting.png import png
+from sooner.plotting.style import INK
 from sooner.problem import Evaluation, Plan
 
 if TYPE_CHECKING:
@@ -26,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Caption", "Row", "by", "draw_panels", "draw_plan", "draw_title", "png"]
 
-WIDTH, HEIGHT = 13.0, 7.4  # inches
+WIDTH, HEIGHT = SIZE = 13.0, 7.4  # inches
 
 
 @dataclass(frozen=True)
@@ -75,24 +73,7 @@ def draw_plan(
     caption : Caption
     """
     caption = caption or Caption()
-    return png(lambda figure: _compose(figure, evaluation, plan, poc, glimpse, caption))
-
-
-def png(compose: Callable[[Figure], None]) -> bytes:
-    """A figure of our size and style, as PNG."""
-    import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    plain: dict[Any, Any] = dict(mpl.rcParamsDefault)
-    with mpl.rc_context(plain | STYLE), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a name in a script that the font lacks
-        figure = Figure(figsize=(WIDTH, HEIGHT), facecolor=PAPER, layout=None)
-        FigureCanvasAgg(figure)
-        compose(figure)
-        drawn = io.BytesIO()
-        figure.savefig(drawn, format="png", dpi=120, facecolor=PAPER, metadata={"Software": "sooner"})
-    return drawn.getvalue()
+    return png(lambda figure: _compose(figure, evaluation, plan, poc, glimpse, caption), SIZE)
 
 
 def _compose(

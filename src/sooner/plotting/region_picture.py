@@ -12,7 +12,8 @@ from sooner.plotting.cells import CellMap
 from sooner.plotting.curves import draw_curve
 from sooner.plotting.flight import draw_clock, draw_ends, draw_legend, draw_path, draw_scale, duration
 from sooner.plotting.layers import looks_layer, time_layer
-from sooner.plotting.plan_picture import Caption, Row, by, draw_panels, draw_title, png
+from sooner.plotting.plan_picture import SIZE, Caption, Row, by, draw_panels, draw_title
+from sooner.plotting.png import png
 from sooner.plotting.style import GREY, INK
 from sooner.problem import Evaluation, Plan, Searcher
 from sooner.problem.regions import RegionMoves
@@ -45,7 +46,7 @@ class Ground:
 def draw_region_plan(evaluation: Evaluation, plan: Plan, ground: Ground, caption: Caption | None = None) -> bytes:
     """PNG of a plan over regions."""
     told = caption or Caption()
-    return png(lambda figure: _compose(figure, evaluation, plan, ground, told))
+    return png(lambda figure: _compose(figure, evaluation, plan, ground, told), SIZE)
 
 
 def _compose(figure: Figure, evaluation: Evaluation, plan: Plan, ground: Ground, caption: Caption) -> None:

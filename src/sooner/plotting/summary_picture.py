@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import io
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import ceil
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.plotting.style import GREY, INK, PAPER, STYLE, VALUE
+from sooner.plotting.png import png
+from sooner.plotting.style import GREY, INK, PAPER, VALUE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,19 +64,8 @@ def plot_summary(
     yes_no : bool          then the numbers are 0 and 1, and told as percent
     note : str             what the reader should know first, below the title
     """
-    import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    plain: dict[Any, Any] = dict(mpl.rcParamsDefault)
-    with mpl.rc_context(plain | STYLE), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a name in a script that the font lacks
-        figure = Figure(facecolor=PAPER)
-        FigureCanvasAgg(figure)
-        _compose(figure, title, measure, dict(places), 100.0 if yes_no else 1.0, note)
-        drawn = io.BytesIO()
-        figure.savefig(drawn, format="png", dpi=130, facecolor=PAPER, metadata={"Software": "sooner"})
-    return drawn.getvalue()
+    scale = 100.0 if yes_no else 1.0
+    return png(lambda figure: _compose(figure, title, measure, dict(places), scale, note), dpi=130)
 
 
 def _compose(
