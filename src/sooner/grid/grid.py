@@ -107,6 +107,17 @@ class Grid:
         """(N, D) int32: the cell reached by each direction, -1 off the map or where an obstacle stands."""
         return _neighbours(self)
 
+    @cached_property
+    def step_coordinates(self) -> NDArray[np.int32]:
+        """(N, 2) int32: row and column; on hexagons axial ones. Steps between cells without obstacles follow from them.
+
+        Odd rows of hexagons lie half a cell to the east.
+        """
+        rows, cols = np.divmod(np.arange(self.n_cells, dtype=np.int32), np.int32(self.shape[1]))
+        if self.connectivity == "hex":
+            cols = cols - rows // 2
+        return np.ascontiguousarray(np.column_stack([rows, cols]), np.int32)
+
     def distances_from(self, index: int) -> NDArray[np.int32]:
         """(N,) int32: fewest steps from a cell to every cell, around obstacles; -1 where there is no way."""
         from sooner.grid._kernels import distances

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from sooner.grid import Grid
 from sooner.planners import _anneal_kernels as kernels
 from sooner.planners.greedy import Greedy
 from sooner.planners.planner import Planner, Ticks, single_cell_searcher
@@ -200,7 +199,7 @@ class _Ground:
         grid, curve = problem.grid, problem.teleport.curve
         reach = Reach(grid, problem.searcher)
         self.problem = problem
-        self.neighbours, self.where = grid.neighbours, _coordinates(grid)
+        self.neighbours, self.where = grid.neighbours, grid.step_coordinates
         self.start, self.end, self.previous = reach.start, reach.end, reach.came_from
         self.limit = problem.searcher.steps + 1
         self.wing, self.pinned = reach.fixed_wing, reach.end >= 0
@@ -214,14 +213,6 @@ class _Ground:
         self.worst = scale * float(np.diff(curve[-2:], prepend=0.0)[-1]) if len(curve) else 0.0
         there = grid.distances_from(self.start)
         self.near = (there >= 0) & (self.to_end >= 0) & (there + self.to_end < self.limit)
-
-
-def _coordinates(grid: Grid) -> NDArray[np.int32]:
-    """Rows and columns; for hexagons, where odd rows lie half a cell to the east, axial coordinates."""
-    rows, cols = np.divmod(np.arange(grid.n_cells, dtype=np.int32), np.int32(grid.shape[1]))
-    if grid.connectivity == "hex":
-        cols = cols - rows // 2
-    return np.ascontiguousarray(np.column_stack([rows, cols]), np.int32)
 
 
 class _Walk:

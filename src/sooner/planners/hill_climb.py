@@ -157,14 +157,6 @@ class Field:
         ground.look(self.reach.start)
         return ground
 
-    @cached_property
-    def coordinates(self) -> NDArray[np.int32]:
-        """(N, 2) int: row and column; on hexagons row and diagonal, in which steps between cells can be counted."""
-        rows, cols = np.divmod(np.arange(self.grid.n_cells, dtype=np.int32), self.grid.shape[1])
-        if self.grid.connectivity == "hex":
-            cols = cols - (rows - rows % 2) // 2
-        return np.column_stack([rows, cols]).astype(np.int32)
-
     def goal(self, cell: int) -> Reach:
         """The reach of the same aircraft, had it to arrive at `cell`."""
         return Reach(self.grid, replace(self.problem.searcher, end=self.grid.cell(cell)))

@@ -108,7 +108,7 @@ class TopN:
         kernel: Any = grow
         trails, sizes, order = kernel(
             field.reach.arrays,
-            field.coordinates,
+            field.grid.step_coordinates,
             field.grid.obstacles is None,
             *ground.arrays,
             self.kernel,
