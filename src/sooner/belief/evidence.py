@@ -123,7 +123,7 @@ class EvidenceGrid:
         >>> EvidenceGrid.uniform((1, 1), 1.0).predict(0.1, 0.3).theta
         array([[0.7]])
         """
-        a, b = _checked_probability(appear, "appear"), _checked_probability(disappear, "disappear")
+        a, b = probabilities(appear, "appear"), probabilities(disappear, "disappear")
         if steps < 0:
             raise InvalidProblemError(f"{steps} steps came; expected at least 0")
         share = np.divide(1.0 - (1.0 - a - b) ** steps, a + b, out=np.zeros(np.broadcast(a, b).shape), where=a + b > 0)
@@ -226,7 +226,7 @@ def log_odds_from_counts(
     counts = [np.asarray(count) for count in (misses, hits)]
     if any((count < 0).any() for count in counts):
         raise InvalidProblemError("counts of looks came negative; expected at least 0")
-    log_odds = _log_odds(_checked_probability(prior, "prior"))
+    log_odds = _log_odds(probabilities(prior, "prior"))
     with np.errstate(invalid="ignore"):
         for count, ratio in zip(counts, _log_likelihood_ratios(detect, false_alarm), strict=True):
             log_odds = log_odds + np.where(count > 0, count * ratio, 0.0)
@@ -245,7 +245,7 @@ def stationary_theta(appear: ArrayLike, disappear: ArrayLike) -> Floats:
     >>> stationary_theta(0.1, 0.3)
     array(0.25)
     """
-    a, b = _checked_probability(appear, "appear"), _checked_probability(disappear, "disappear")
+    a, b = probabilities(appear, "appear"), probabilities(disappear, "disappear")
     if (a + b == 0).any():
         raise InvalidProblemError("appear = disappear = 0 came: such a cell never changes and has no limit")
     return np.asarray(a / (a + b))
@@ -282,7 +282,7 @@ def _from_log_odds(log_odds: Floats) -> Floats:
 
 def _log_likelihood_ratios(detect: ArrayLike, false_alarm: ArrayLike) -> tuple[Floats, Floats]:
     """What a miss and what a hit add to log-odds; NaN where the look could not say so at all."""
-    d, f = _checked_probability(detect, "detect"), _checked_probability(false_alarm, "false_alarm")
+    d, f = probabilities(detect, "detect"), probabilities(false_alarm, "false_alarm")
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.log1p(-d) - np.log1p(-f), np.log(d) - np.log(f)
 
@@ -311,7 +311,8 @@ def _checked_map(values: ArrayLike, name: str, low: float, high: float) -> Float
     return checked
 
 
-def _checked_probability(values: ArrayLike, name: str) -> Floats:
+def probabilities(values: ArrayLike, name: str) -> Floats:
+    """The values as an array, all in [0, 1]."""
     checked = np.asarray(values, np.float64)
     if not ((checked >= 0) & (checked <= 1)).all():
         raise InvalidProblemError(f"{name} came outside [0, 1]; expected probabilities")

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebpts1, chebvander
 from numpy.typing import ArrayLike, NDArray
 
-from sooner.belief.evidence import binary_entropy, log_odds_from_counts
+from sooner.belief.evidence import binary_entropy, log_odds_from_counts, probabilities
 from sooner.errors import InvalidProblemError
 
 __all__ = ["beta_information", "beta_information_table", "information", "information_table", "look_information"]
@@ -73,7 +73,7 @@ def information(theta: ArrayLike, looks: int, detect: ArrayLike, false_alarm: Ar
            [0.05 , 0.043, 0.031],
            [0.   , 0.   , 0.   ]])
     """
-    columns = [np.ravel(_probabilities(v, n)) for v, n in ((theta, "theta"), (detect, "p_d"), (false_alarm, "p_f"))]
+    columns = [np.ravel(probabilities(v, n)) for v, n in ((theta, "theta"), (detect, "p_d"), (false_alarm, "p_f"))]
     size = columns[0].size
     if any(values.size not in (1, size) for values in columns):
         raise InvalidProblemError(
@@ -257,10 +257,3 @@ def _at_log_odds(log_odds: Floats, looks: int, detect: float, false_alarm: float
     likely = log_odds > 0
     rates = np.where(likely, false_alarm, detect), np.where(likely, detect, false_alarm)
     return _exact(theta, looks, *rates)
-
-
-def _probabilities(values: ArrayLike, name: str) -> Floats:
-    checked = np.asarray(values, np.float64)
-    if not ((checked >= 0) & (checked <= 1)).all():
-        raise InvalidProblemError(f"{name} came outside [0, 1]; expected probabilities")
-    return checked
