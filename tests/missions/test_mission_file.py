@@ -151,12 +151,6 @@ BAD = {
         "searcher[0].kind",
         "does not do yet",
     ),
-    "later: a target over regions": (
-        REGIONS.replace('evidence = "theta.csv"', 'poc = "poc.csv"').replace("\nfalse_alarm = 0.15", "")
-        + "[objective]\ndetection_target = 0.5\n",
-        "objective.detection_target",
-        "does not do yet",
-    ),
     "regions of hexagons": (REGIONS.replace("cell_m", 'grid = "hex"\ncell_m'), "area.grid", "square cells"),
     "regions in steps": (REGIONS.replace("seconds = 200", "steps = 200"), "budget.steps", "expected budget.seconds"),
     "regions without metres": (REGIONS.replace("cell_m = 4.0", ""), "area.cell_m", "nothing came"),
@@ -185,7 +179,11 @@ BAD = {
         "turns of the drone alone blur the picture",
     ),
     "lines that leave gaps": (REGIONS + "[regions]\nspacing_m = 12.5\n", "regions.spacing_m", "at most twice as much"),
-    "tiles of plain regions": (REGIONS + "[regions]\ntile_m = 9\n", "regions.tile_m", 'cut = "aware"'),
+    "chunks of plain regions": (
+        REGIONS + '[regions]\ncut = "plain"\nchunk_m = 9\n',
+        "regions.chunk_m",
+        'cut = "aware"',
+    ),
     "no time for any search": (
         REGIONS.replace("seconds = 200", "seconds = 2"),
         "budget.seconds",

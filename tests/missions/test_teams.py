@@ -106,3 +106,27 @@ def test_half_a_place_is_refused(tmp_path):
     path.write_text(path.read_text().partition("lat")[0] + "lat = 46.0 }\n[budget]\nsteps = 8\n")
     with pytest.raises(DataFormatError, match=r"searcher\[0\]\.start\.lon: nothing came"):
         read_mission(path)
+
+
+def test_a_target_over_regions_is_reached_sooner_than_by_the_most_by_the_end(ground):  # noqa: F811
+    more = '\n[regions]\ncut = "aware"\n'
+    most = plan_mission(read_mission(ground("belief", "detection", more="early = false" + more)), seconds=3.0)
+    total = most.score.evaluation.total
+    target = round(total / 3, 3)
+    planned = plan_mission(
+        read_mission(ground("belief", "detection", more=f"detection_target = {target}{more}")), seconds=3.0
+    )
+    told = planned.result(None)
+    assert told["objective"] == f"detection {target:g} soonest"
+    assert told["value"] == -planned.score.evaluation.time_to(target)
+    assert told["value"] >= -most.score.evaluation.time_to(target)
+    assert told["value"] <= told["bound"] <= 0
+
+
+def test_a_team_is_asked_for_a_target_over_regions_but_not_with_links(ground):  # noqa: F811
+    path = with_second(ground("belief", "detection", more="detection_target = 0.1"))
+    best = plan_mission(read_mission(path), "greedy", seconds=3.0).solution.best
+    assert -240 < best.value <= best.bound <= 0
+    path = with_second(ground("belief", "detection", more="detection_target = 0.1"), more="\n[links]\nloss = 0.1\n")
+    with pytest.raises(DataFormatError, match=r"links: it came beside objective\.detection_target"):
+        read_mission(path)

@@ -8,6 +8,7 @@ from math import inf
 from sooner.bounds.bound import Bound, Known
 from sooner.bounds.connected_subgraph import ASSUMES, ConnectedSubgraph
 from sooner.bounds.region_lp import RegionLP
+from sooner.bounds.region_soonest import region_soonest_bounds
 from sooner.bounds.soonest import soonest_bounds
 from sooner.problem import CellMoves, SearchProblem
 from sooner.problem.regions import RegionMoves
@@ -19,8 +20,7 @@ def bounds(problem: SearchProblem, known: Known = -inf) -> Iterator[Bound]:
     """Yield bounds that never rise, the quickest first, for as long as they are asked for.
 
     Over cells teleport, then connected subgraphs; for a target, the time that any plan needs. Over regions a linear
-    program. Nothing is yielded where nothing is proved: the person moves, moves are of several kinds, or a target is to
-    be reached over regions.
+    program. Nothing is yielded where nothing is proved: the person moves, or moves are of several kinds.
 
     Parameters
     ----------
@@ -28,8 +28,8 @@ def bounds(problem: SearchProblem, known: Known = -inf) -> Iterator[Bound]:
     known : float or callable      value of the best plan so far; a better one makes the proof quicker
     """
     if problem.drift is None and all(isinstance(each.moves, RegionMoves) for each in problem.searchers):
-        if problem.objective.target is None:
-            yield from RegionLP().bounds(problem, known)
+        over_regions = RegionLP().bounds if problem.objective.target is None else region_soonest_bounds
+        yield from over_regions(problem, known)
         return
     if problem.drift is not None or not all(isinstance(each.moves, CellMoves) for each in problem.searchers):
         return

@@ -10,7 +10,7 @@ from typing import Any
 from sooner.cli.evaluate import tell_collected, tell_early, tell_left, tell_reference
 from sooner.cli.exits import DONE, INTERRUPTED, say, uninterrupted
 from sooner.cli.progress import Watch
-from sooner.cli.words import amount, flight, percent, steps
+from sooner.cli.words import amount, flight, percent, times
 from sooner.errors import DataFormatError, Fault
 from sooner.io import Folder
 from sooner.missions import Mission, plan_mission, read_mission
@@ -56,7 +56,7 @@ def _reached(mission: Mission, planned: Planned, target: float) -> str:
     """When the target is reached, or that it is not, and whether any flight could."""
     time, best = planned.score.evaluation.time_to(target), planned.solution.best
     if isfinite(time):
-        return f"{target:.3g} is reached after             {steps(mission, time)}"
+        return f"{target:.3g} is reached after             {times(mission, time)}"
     if best.bound == -inf:
         return f"{target:.3g} cannot be reached in this time   (proof: {best.bound_proof}); this flight comes closest"
     return f"{target:.3g} is not reached; this flight comes closest"
@@ -73,7 +73,7 @@ def _tell(mission: Mission, planned: Planned, result: dict[str, Any], folder: Fo
         print(f"  no flight can pass                  {amount(mission, best.bound)}   (proof: {best.bound_proof})")
         print(f"  so it is at most                    {percent(best.gap)}   short of the best there is")
     elif result["bound"] is not None and best.value > -inf:
-        print(f"  no flight gets there before         {steps(mission, -best.bound)}   (proof: {best.bound_proof})")
+        print(f"  no flight gets there before         {times(mission, -best.bound)}   (proof: {best.bound_proof})")
     tell_reference(score)
     tell_left(score)
     if mission.over_regions:

@@ -134,6 +134,9 @@ def _check_links(faults: Faults, settings: Settings, layers: Layers) -> None:
         return
     if len(settings.searcher) == 1:
         faults.add("links", "it came, and one [[searcher]]", "expected several, or no links")
+    if settings.objective.detection_target is not None:
+        expected = "expected one of them: nobody on board knows when all together reach a target"
+        faults.add("links", "it came beside objective.detection_target", expected)
     if settings.links.range_m is not None and layers.cell_m is None and layers.shape is not None:
         faults.add("area.cell_m", "nothing came", "expected metres: links.range_m needs the size of a cell")
 

@@ -29,6 +29,7 @@ from sooner.planners.by_moves import moves_of
 from sooner.planners.decentralised import Decentralised, Exchange, Links
 from sooner.planners.proved import Proved
 from sooner.planners.receding import Receding
+from sooner.planners.region_soonest import RegionSoonest
 from sooner.planners.registry import DEFAULT, PLANNERS, make_planner
 from sooner.planners.soonest import Soonest
 from sooner.planners.team import Team
@@ -223,5 +224,5 @@ def wrapped(problem: SearchProblem, planner: Planner) -> Planner:
     elif problem.drift is not None:
         planner = Receding(planner)
     if problem.objective.target is not None:
-        planner = Soonest(planner)
+        planner = RegionSoonest(planner) if moves_of(problem) == "regions" else Soonest(planner)
     return planner

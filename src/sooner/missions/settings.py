@@ -160,7 +160,10 @@ class Wish(_Table):
         "`information`: learn most, in bits",
     )
     detection_target: float | None = Field(
-        default=None, gt=0, le=1, description="over `poc` and cells: reach this CDP as soon as possible"
+        default=None,
+        gt=0,
+        le=1,
+        description="over `poc`: reach this CDP as soon as possible; several drones over regions only",
     )
     early: bool | None = Field(
         default=None,
@@ -188,12 +191,14 @@ class Cutting(_Table):
     What is left out follows from the sensor's radius, as in [Kuhlman2017].
     """
 
-    cut: Literal["plain", "aware"] = Field(
-        default="plain",
-        description="`plain`: by obstacles alone, as the paper; `aware`: into tiles, and where there is more to find",
+    cut: Literal["aware", "plain"] = Field(
+        default="aware",
+        description="`aware`: at the borders of where there is more to find, too, if it is more here than there; "
+        "`plain`: by obstacles alone, as the paper",
     )
-    tile_m: Positive | None = Field(
-        default=None, description="of cut `aware`: side of a tile, more where there were too many. Left out: 2.5 radius"
+    chunk_m: Positive | None = Field(
+        default=None,
+        description="of cut `aware`: widest region there, wider where there were too many. Left out: 6 radius",
     )
     spacing_m: Positive | None = Field(
         default=None, description="between plow lines, at most twice the radius; left out: the radius"
@@ -257,12 +262,9 @@ def not_yet(settings: Settings, file: str) -> list[Fault]:
             if getattr(settings.sensor, key) is not None:
                 what = "how far the sensor reaches, over cells,"
                 refuse(f"sensor.{key}", what, 'give moves = "regions", or leave it out: a look covers the cell below')
-    if settings.objective.detection_target is not None:
-        for over in filter(
-            None, ["several searchers" * (len(settings.searcher) > 1), "regions" * settings.over_regions]
-        ):
-            refuse("objective.detection_target", f"a target over {over}", "leave it out: the most by the end")
-            break
+    if settings.objective.detection_target is not None and len(settings.searcher) > 1 and not settings.over_regions:
+        instead = 'leave it out: the most by the end, or give moves = "regions"'
+        refuse("objective.detection_target", "a target over several searchers over cells", instead)
     if settings.objective.early and not settings.over_regions:
         refuse("objective.early", "an early plan over cells", "leave it out, or give a detection_target")
     for number, searcher in enumerate(settings.searcher):
