@@ -11,6 +11,7 @@ from sooner.belief.information import (
     information_table,
     look_information,
 )
+from sooner.belief.street_kriging import KrigingSession, StreetKriging, street_directions
 from sooner.belief.update import predict, update_on_miss
 
 __all__ = [
@@ -18,6 +19,8 @@ __all__ = [
     "BetaGrid",
     "CellStates",
     "EvidenceGrid",
+    "KrigingSession",
+    "StreetKriging",
     "beta_information",
     "beta_information_table",
     "binary_entropy",
@@ -31,6 +34,7 @@ __all__ = [
     "predict",
     "search_time_limit",
     "stationary_theta",
+    "street_directions",
     "theta_from_counts",
     "update_on_miss",
 ]

@@ -135,9 +135,7 @@ class CellStates:
         where = np.ascontiguousarray(cells, np.int32)
         g, z = np.ascontiguousarray(map_ratios, np.float64), np.ascontiguousarray(target_ratios, np.float64)
         if not where.shape == g.shape == z.shape or not ((g > 0) & (z > 0) & np.isfinite(g * z)).all():
-            raise InvalidProblemError(
-                f"{g.size} and {z.size} ratios came for {where.size} cells; expected as many, > 0"
-            )
+            raise InvalidProblemError(f"{g.size} and {z.size} ratios came for {where.size} cells; expected as many > 0")
         after = self.copy()
         see(after.void, after.unoccupied, after.occupied, after.explored, after.nodes, where, g, z, 0, where.size)
         return after
@@ -177,9 +175,7 @@ class CellStates:
         after = self.copy()
         where, values = np.ascontiguousarray(cells, np.int64), np.ascontiguousarray(ratios, np.float64)
         if where.shape != values.shape or not (values >= 0).all() or not np.isfinite(values).all():
-            raise InvalidProblemError(
-                f"{values.size} ratios came for {where.size} cells; expected one each, not below 0"
-            )
+            raise InvalidProblemError(f"{values.size} ratios came for {where.size} cells; expected as many >= 0")
         set_nodes(after.void, after.unoccupied, after.occupied, where, values)
         return after
 
