@@ -116,7 +116,12 @@ def _plan_numbers(found: Posed, flown: _Flown, reference: float) -> dict[str, An
         return {**numbers, "success": False, "success_percent": 0.0, "expanded": flown.expanded, "actions": []}
     bits = evaluate(found.problem, Plan.of(flown.actions)).value
     looks, free = found.looks(flown.actions), found.free
-    printed, corrected = (_effort(found.theta[free], looks[free], variant) for variant in VARIANTS)
+    printed, corrected = (
+        None
+        if found.ground.model == "beta"
+        else _effort(found.theta[free], looks[free], variant)  # a rate is no target
+        for variant in VARIANTS
+    )
     return {
         "info": 100.0 * bits / reference,
         "first_info": _known(100.0 * flown.first_value / reference),

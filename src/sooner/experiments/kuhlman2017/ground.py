@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.belief import EvidenceGrid
+from sooner.belief import BetaGrid, EvidenceGrid
 from sooner.decomposition import Regions, boustrophedon
-from sooner.problem import Searcher, SearchProblem
+from sooner.errors import InvalidProblemError
+from sooner.problem import Gains, Searcher, SearchProblem
 from sooner.problem.information_gains import information_gains
 from sooner.problem.region_problem import PRESET_A, PRESET_B, region_problem, two_searches_s
 from sooner.problem.regions import RegionGraph, RegionMoves
@@ -26,6 +27,8 @@ DETECT, FALSE_ALARM = 0.85, 0.15  # sec. 6.3
 STARTS = 4  # of each environment, sec. 6.1
 STARTS_SEED = 2017
 PRESETS = {"A": PRESET_A, "B": PRESET_B}
+THETA_UNKNOWN = 0.5
+HITS = 2.0  # and no miss, where entropy is low
 LONG_S = 1e9  # a budget until the paper's is known
 KEPT = 64  # grounds a process remembers: trials come by seed, so that each is made once
 
@@ -40,12 +43,14 @@ class Ground:
     regions : Regions
     problems : of SearchProblem     one for each start
     budget_s : float                T_max, twice the time that a search of every region takes [Kuhlman2017, sec. 7.2]
+    model : str                     of the sensor: "binary" or "beta"
     """
 
     environment: NaturalEnvironment
     regions: Regions
     problems: tuple[SearchProblem, ...]
     budget_s: float
+    model: str = "binary"
 
     @property
     def graph(self) -> RegionGraph:
@@ -85,7 +90,8 @@ def posed(instance: Mapping[str, Any], seed: int) -> Posed:
     Parameters
     ----------
     instance : mapping    `kind`, and if need be `nonuniform`, `preset` ("A" or "B"), `n_cells` (of Experiment 2),
-                          `wide` (cells of which any part may be in reach, instead of those whose centre is)
+                          `wide` (cells of which any part may be in reach, instead of those whose centre is),
+                          `model` ("binary", or "beta": targets come and go, sec. 3)
     """
     number, start = divmod(seed, STARTS)
     found = ground(
@@ -95,35 +101,52 @@ def posed(instance: Mapping[str, Any], seed: int) -> Posed:
         str(instance.get("preset", "A")),
         int(instance.get("n_cells", 0)),
         bool(instance.get("wide", False)),
+        str(instance.get("model", "binary")),
     )
     return Posed(found, found.problems[start])
 
 
 def ground(
-    kind: str, number: int, nonuniform: bool = False, preset: str = "A", n_cells: int = 0, wide: bool = False
+    kind: str,
+    number: int,
+    nonuniform: bool = False,
+    preset: str = "A",
+    n_cells: int = 0,
+    wide: bool = False,
+    model: str = "binary",
 ) -> Ground:
     """The `number`-th environment of a kind, decomposed and timed; the same object for the same question.
 
     Starts are the centres of four regions, drawn without replacement where there are so many.
     """
-    return _ground(kind, number, nonuniform, preset, n_cells, wide)
+    return _ground(kind, number, nonuniform, preset, n_cells, wide, model)
 
 
 @lru_cache(maxsize=KEPT)
-def _ground(kind: str, number: int, nonuniform: bool, preset: str, n_cells: int, wide: bool) -> Ground:
+def _ground(kind: str, number: int, nonuniform: bool, preset: str, n_cells: int, wide: bool, model: str) -> Ground:
     place = environment(kind, number, nonuniform, n_cells)
     regions = boustrophedon(place.grid)
     rng = np.random.default_rng((STARTS_SEED, place.seed))
     drawn = rng.choice(regions.n_regions, STARTS, replace=regions.n_regions < STARTS)
     cells = [place.grid.cell(int(cell)) for cell in regions.centres[drawn]]
-    gains = information_gains(EvidenceGrid(place.theta), BinarySensor(DETECT, FALSE_ALARM))
+    gains = _gains(place, model)
     sweep = PRESETS[preset]
     if wide:
         sweep = replace(sweep, radius_m=sweep.radius_m + place.grid.cell_m / sqrt(2.0))
     whole = region_problem(place.grid, regions, sweep, gains, cells, LONG_S)
     budget_s = two_searches_s(whole)
     problems = tuple(_alone(whole, searcher, budget_s) for searcher in whole.searchers)
-    return Ground(place, regions, problems, budget_s)
+    return Ground(place, regions, problems, budget_s, model)
+
+
+def _gains(place: NaturalEnvironment, model: str) -> Gains:
+    """Bits by looks; of a rate of hits that any value is as likely for, or known from the two hits of low entropy."""
+    if model == "binary":
+        return information_gains(EvidenceGrid(place.theta), BinarySensor(DETECT, FALSE_ALARM))
+    if model != "beta":
+        raise InvalidProblemError(f"model {model!r} came; expected 'binary' or 'beta'")
+    known = place.theta != THETA_UNKNOWN
+    return information_gains(BetaGrid(np.where(known, 1.0 + HITS, 1.0), np.ones(place.theta.shape)))
 
 
 def _alone(whole: SearchProblem, searcher: Searcher, budget_s: float) -> SearchProblem:
