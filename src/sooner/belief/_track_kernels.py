@@ -11,13 +11,11 @@ outgoing_starts, weights            of the target states, (S + 1,) int64, and of
 In loops over the states that are at a node, `arriving` runs from `first - 1`, which stands for rest, over its row.
 """
 
-import math
-
 import numpy as np
 from numba import njit
 
 LEAST = 1e-300  # no explored state's probability falls below it, so that every logarithm is finite
-MOST_LOG = 300.0  # nor does what is seen of a cell in one second count for more
+MOST = 1e130  # nor does what is seen of a cell in one second count for more, or for less than its inverse
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -117,22 +115,22 @@ def move(probability, explored, confined, starts, reverse, outgoing_starts, vani
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def see(probability, explored, starts, reverse, node_of_cell, cells, log_ratios):
-    """The measurement update, eq. (15), for looks at cells: several looks at one count one after the other.
+def see(probability, explored, starts, reverse, node_of_cell, cells, ratios, start, stop):
+    """The measurement update, eq. (14), for looks at cells: several looks at one count one after the other.
 
-    node_of_cell : (M,) int64; cells : (L,) int64; log_ratios : (L,) float, log L(z | s) - log L(z | phi) of each look
+    node_of_cell : (M,) int64; cells : (L,) int32; ratios : (L,) float, L(z | s) / L(z | phi) of each look
+    start, stop : int           the looks of this second
     """
-    logs = np.zeros(starts.shape[0] - 1)
-    for look in range(cells.shape[0]):
+    factors = np.ones(starts.shape[0] - 1)
+    for look in range(start, stop):
         node = node_of_cell[cells[look]]
         if node >= 0 and explored[node]:
-            logs[node] += log_ratios[look]
-    for look in range(cells.shape[0]):
+            factors[node] = min(max(factors[node] * ratios[look], 1.0 / MOST), MOST)
+    for look in range(start, stop):
         node = node_of_cell[cells[look]]
-        if node < 0 or logs[node] == 0.0:
+        if node < 0 or factors[node] == 1.0:
             continue
-        factor = math.exp(min(max(logs[node], -MOST_LOG), MOST_LOG))
-        logs[node] = 0.0  # so that it counts once
+        factor, factors[node] = factors[node], 1.0  # so that it counts once
         probability[node] *= factor
         for entry in range(starts[node], starts[node + 1]):
             probability[reverse[entry]] *= factor
@@ -173,7 +171,9 @@ def second(
     node_of_cell,
     nodes,
     cells,
-    log_ratios,
+    target_ratios,
+    start,
+    stop,
     start_ratio,
     vanish,
     appear,
@@ -183,5 +183,5 @@ def second(
     """One second of a track: `explore`, `move`, `see`, `node_ratios`; returns what the last of them does."""
     explore(probability, explored, confined, starts, neighbours, reverse, outgoing_starts, weights, nodes, start_ratio)
     move(probability, explored, confined, starts, reverse, outgoing_starts, vanish, appear, scratch)
-    see(probability, explored, starts, reverse, node_of_cell, cells, log_ratios)
+    see(probability, explored, starts, reverse, node_of_cell, cells, target_ratios, start, stop)
     return node_ratios(probability, explored, starts, reverse, ratios)

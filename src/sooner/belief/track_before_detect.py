@@ -44,7 +44,7 @@ class TrackBeforeDetect:
     >>> track.explore([0, 1, 2])
     >>> for _ in range(10):
     ...     track.move()
-    ...     track.see(cells=[0, 1], log_ratios=[-2.0, 3.0])
+    ...     track.see(cells=[0, 1], ratios=[0.2, 20.0])
     >>> track.likeliest, track.integrated_ratio > 19
     (1, True)
     """
@@ -154,24 +154,24 @@ class Track:
             *(states.outgoing_starts, settings.vanish, settings.appear, np.empty(states.n_states)),
         )
 
-    def see(self, cells: ArrayLike, log_ratios: ArrayLike) -> None:
-        """Looks at cells, with a target or without: log Lambda = log Lambda- + log L(z | s) / L(z | phi)   [eq. (15)].
+    def see(self, cells: ArrayLike, ratios: ArrayLike) -> None:
+        """Looks at cells: Lambda(s) = L(z | s) / L(z | phi) Lambda-(s), for what is seen there and what is not [eq. (14)].
 
         cells : (L,) int      a cell may come more than once; cells without an explored node teach nothing here
-        log_ratios : (L,)     natural logarithms
+        ratios : (L,) float   of likelihoods, each at least 0
         """
-        graph, logs = self.states.graph, np.asarray(log_ratios, np.float64)
-        looked = _numbers(cells, graph.grid.n_cells, "cell")
-        if logs.shape != looked.shape or np.isnan(logs).any():
-            raise InvalidProblemError(f"log ratios {logs} came for cells {looked}; expected a number for each")
+        graph, told = self.states.graph, np.asarray(ratios, np.float64)
+        looked = _numbers(cells, graph.grid.n_cells, "cell").astype(np.int32)
+        if told.shape != looked.shape or not (told >= 0.0).all():
+            raise InvalidProblemError(f"likelihood ratios {told} came for cells {looked}; expected one >= 0 for each")
         rows = graph.starts, self.states.reverse, graph.node_of_cell
-        kernels.see(self.probability, self.explored, *rows, looked, logs)
+        kernels.see(self.probability, self.explored, *rows, looked, told, 0, len(looked))
 
     def second(
         self,
         nodes: NDArray[np.int64],
-        cells: NDArray[np.int64],
-        log_ratios: NDArray[np.float64],
+        cells: NDArray[np.int32],
+        target_ratios: NDArray[np.float64],
         ratios: NDArray[np.float64],
     ) -> tuple[float, int]:
         """`explore`, `move`, `see`, and the nodes' ratios written to (N,) float.
@@ -182,8 +182,8 @@ class Track:
         graph, states, settings = self.states.graph, self.states, self.settings
         told: tuple[float, int] = kernels.second(
             *(self.probability, self.explored, self.confined, graph.starts, graph.neighbours, states.reverse),
-            *(states.outgoing_starts, self.weights, graph.node_of_cell, nodes, cells, log_ratios),
-            *(self.start_ratio, settings.vanish, settings.appear, np.empty(states.n_states), ratios),
+            *(states.outgoing_starts, self.weights, graph.node_of_cell, nodes, cells, target_ratios),
+            *(0, len(cells), self.start_ratio, settings.vanish, settings.appear, np.empty(states.n_states), ratios),
         )
         return told
 
