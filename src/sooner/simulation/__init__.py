@@ -1,0 +1,25 @@
+"""What happens if it is flown: agents, looks, beliefs and replanning in one loop, and the episode that it leaves."""
+
+from sooner.simulation.agents import Agent, Team, flight
+from sooner.simulation.episode import Beliefs, Call, Episode, Looks
+from sooner.simulation.estimation import Estimator
+from sooner.simulation.loop import Keep, Scene, simulate
+from sooner.simulation.sensing import HALF_CELL, Sensing
+from sooner.simulation.world import World
+
+__all__ = [
+    "HALF_CELL",
+    "Agent",
+    "Beliefs",
+    "Call",
+    "Episode",
+    "Estimator",
+    "Keep",
+    "Looks",
+    "Scene",
+    "Sensing",
+    "Team",
+    "World",
+    "flight",
+    "simulate",
+]

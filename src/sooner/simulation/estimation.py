@@ -1,0 +1,118 @@
+"""What a team makes of its looks: one belief in one place, about cells and about the target."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from sooner.belief.cell_states import CellStates
+from sooner.belief.track_before_detect import Track, TrackBeforeDetect
+from sooner.errors import InvalidProblemError
+from sooner.simulation.sensing import LookLog
+from sooner.simulation.world import World
+
+__all__ = ["Detector", "Estimator", "Prior", "TeamBelief"]
+
+Detector = Literal["cbht", "lrdt"]
+Prior = Literal["uniform", "kriged", "known"]
+
+
+@dataclass(frozen=True)
+class Estimator:
+    """How a team estimates the map and the target   [Wolek2020, sections II.D and III].
+
+    Parameters
+    ----------
+    detector : str       "cbht" tests each cell by itself; "lrdt" tracks a target along the streets before it is
+                         detected, by likelihood ratios
+    prior : str          of nodes in cells that nobody has seen: "uniform", "kriged" from those seen, or a "known" map
+    void : float         prior probability that a cell holds no node
+    absent : float       probability that there is no target
+    odds : float         at which a node, or a target, is detected; 19 is a confidence of 95 %
+    decay : float        alpha in (0, 1]: how fast an unseen target's likelihood ratio returns to its prior
+
+    Raises
+    ------
+    InvalidProblemError  if a name or number is none of these, or cells are tested though the map is known: on a known
+                         map they are settled from the start
+    """
+
+    detector: Detector = "lrdt"
+    prior: Prior = "uniform"
+    void: float = 0.9
+    absent: float = 0.5
+    odds: float = 19.0
+    decay: float = 0.1
+
+    def __post_init__(self) -> None:
+        if self.detector not in ("cbht", "lrdt"):
+            raise InvalidProblemError(f"detector {self.detector!r} came; expected 'cbht' or 'lrdt'")
+        if self.prior not in ("uniform", "kriged", "known"):
+            raise InvalidProblemError(f"prior {self.prior!r} came; expected 'uniform', 'kriged' or 'known'")
+        if self.prior == "known" and self.detector == "cbht":
+            raise InvalidProblemError("the cell-wise test on a known map came; it tests only cells with no node yet")
+        if not (0.0 < self.void < 1.0 and 0.0 < self.absent < 1.0):
+            raise InvalidProblemError(
+                f"void = {self.void} and absent = {self.absent} came; expected probabilities between 0 and 1"
+            )
+        if not (np.isfinite(self.odds) and self.odds > 0.0):
+            raise InvalidProblemError(f"odds of {self.odds} came; expected a positive number")
+        if not 0.0 < self.decay <= 1.0:
+            raise InvalidProblemError(f"a decay of {self.decay} came; expected a number in (0, 1]")
+
+
+class TeamBelief:
+    """The belief of one search, changed in place by every second's looks.
+
+    states : CellStates            of all cells
+    node_seconds : (M,) int64      when each cell's node was detected, -1 not yet; 0 on a known map
+    track : Track or None          of the target, if the detector tracks
+    """
+
+    def __init__(self, estimator: Estimator, world: World, most_looks: int) -> None:
+        n_cells = world.graph.grid.n_cells
+        self.estimator = estimator
+        if estimator.prior == "known":
+            self.states = CellStates.known_map(world.nodes, estimator.absent)
+        else:
+            self.states = CellStates.unknown(n_cells, estimator.void, estimator.absent)
+        self.node_seconds = np.where(self.states.nodes, 0, -1).astype(np.int64)
+        self.track = _begun(estimator, world) if estimator.detector == "lrdt" else None
+        self._found = np.empty(most_looks, np.int64)
+        self._ratios = np.zeros(n_cells)
+
+    def see(self, second: int, log: LookLog) -> tuple[float, int]:
+        """Take in this second's looks: Bayes' law in each cell, nodes detected, the target tracked.
+
+        Returns
+        -------
+        (float, int)      what the detector holds against its threshold, and the cell where a target is likeliest
+        """
+        from sooner.simulation._assimilation_kernels import take_in
+
+        states, track = self.states, self.track
+        new, cell, odds = take_in(
+            second, log.cells, log.map_ratios, log.target_ratios, log.start, log.end, states.void, states.unoccupied,
+            states.occupied, states.explored, states.nodes, self.estimator.odds, self._found, self.node_seconds,
+        )  # fmt: skip
+        if track is None:
+            return odds, cell
+        now = slice(log.start, log.end)
+        return track.second(self._found[:new], log.cells[now], log.target_logs[now], self._ratios)
+
+    def settle(self) -> None:
+        """Before a strategy asks: cells of nodes are told by the tracker."""
+        from sooner.belief._cell_state_kernels import set_nodes
+
+        if self.track is not None:
+            states, cells = self.states, np.flatnonzero(self.states.nodes)
+            set_nodes(states.void, states.unoccupied, states.occupied, cells, self._ratios[cells])
+
+
+def _begun(estimator: Estimator, world: World) -> Track:
+    track = TrackBeforeDetect(estimator.absent, estimator.decay).begun(world.cell_states, world.cell_weights)
+    if estimator.prior == "known":
+        track.explore(world.graph.cells)
+    return track

@@ -1,0 +1,298 @@
+"""The closed loop: look, believe, detect, plan, and fly for a second, until the time is up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sooner.errors import InvalidProblemError
+from sooner.grid import Grid
+from sooner.simulation.agents import STEP_S, Agent, Team
+from sooner.simulation.episode import Beliefs, Call, Episode, Looks
+from sooner.simulation.estimation import Estimator, TeamBelief
+from sooner.simulation.ground import area, perimeter_places
+from sooner.simulation.sensing import LookLog, Sensing
+from sooner.simulation.strategies.strategy import Routes, Situation, Strategy
+from sooner.simulation.world import Purpose, Truth, World, generator, noise_seed
+
+__all__ = ["Keep", "Scene", "simulate"]
+
+MOST_SECONDS = 100_000
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What is searched, by whom, with which eyes and for how long: all of a search but its strategy and its seed.
+
+    Parameters
+    ----------
+    world : World
+    agents : tuple of Agent
+    estimator : Estimator
+    seconds : int                      how long the mission lasts; all look once a second
+    replan_s : int                     seconds from one plan to the next
+    target_offset : (float, float)     see `Sensing`; `HALF_CELL` is the named one
+    starts_m : (A, 2) float or None    where agents start, instead of where the strategy has them start
+
+    Raises
+    ------
+    InvalidProblemError                no seconds, a replan later than the end, agents that start outside the ground
+    """
+
+    world: World
+    agents: tuple[Agent, ...] = (Agent(),) * 4
+    estimator: Estimator = Estimator()
+    seconds: int = 240
+    replan_s: int = 5
+    target_offset: tuple[float, float] = (0.0, 0.0)
+    starts_m: NDArray[np.float64] | None = None
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.seconds <= MOST_SECONDS:
+            raise InvalidProblemError(f"a mission of {self.seconds} s came; expected 1 to {MOST_SECONDS} s")
+        if not 1 <= self.replan_s <= self.seconds:
+            raise InvalidProblemError(
+                f"a replan every {self.replan_s} s came; expected 1 s to the mission's {self.seconds} s"
+            )
+        _ = self.team, self.sensing, area(self.grid)
+        if self.starts_m is not None:
+            object.__setattr__(self, "starts_m", _checked_starts(self.grid, self.starts_m, len(self.agents)))
+
+    @property
+    def grid(self) -> Grid:
+        """The cells."""
+        return self.world.graph.grid
+
+    @cached_property
+    def team(self) -> Team:
+        """The agents as arrays."""
+        return Team(self.agents)
+
+    @cached_property
+    def sensing(self) -> Sensing:
+        """What agents read."""
+        return Sensing(self.grid, self.agents, self.target_offset)
+
+    @cached_property
+    def target_cells(self) -> NDArray[np.int64]:
+        """(N,) int64: the cell where the target sensor has a signal, for a target at each node."""
+        return self.sensing.cells_of(self.world.graph.positions_m)
+
+    def starts(self, strategy: Strategy, seed: int) -> NDArray[np.float64]:
+        """(A, 2) float: where agents start."""
+        if self.starts_m is not None:
+            return self.starts_m.copy()
+        drawn = perimeter_places(self.grid, len(self.agents), generator(seed, Purpose.STARTS))
+        return _checked_starts(self.grid, strategy.starts(self.grid, self.agents, drawn), len(self.agents))
+
+
+@dataclass(frozen=True)
+class Keep:
+    """What an episode keeps besides what its score needs: all looks, and beliefs every so many seconds (0: never)."""
+
+    looks: bool = False
+    beliefs_s: int = 0
+
+
+def simulate(scene: Scene, strategy: Strategy, seed: int, keep: Keep = Keep()) -> Episode:
+    """Fly one search.
+
+    Each second: all agents look at all cells in view; Bayes' law; nodes are detected; the target is tracked and
+    perhaps called; at a replan the strategy is asked; the target moves while agents fly on    [Wolek2020, section IV].
+    What the world holds and what a sensor reads at a place and second depends on the seed alone, not on the strategy.
+
+    Examples
+    --------
+    >>> from sooner.simulation.strategies import Lawnmower
+    >>> from sooner.streets import OccupancyGraph
+    >>> street = [(row, 10) for row in range(20)]
+    >>> grid = Grid((20, 20), "square8", 5.0)
+    >>> graph = OccupancyGraph.of(grid, [grid.index(cell) for cell in street], [(n, n + 1) for n in range(19)])
+    >>> flown = simulate(Scene(World(graph), seconds=120), Lawnmower(), seed=1)
+    >>> bool(flown.nodes_curve[-1] > 0.9)
+    True
+    """
+    return _Flight(scene, strategy, seed, keep).flown()
+
+
+@dataclass(eq=False)
+class _Flight:
+    """One search while it is flown."""
+
+    scene: Scene
+    strategy: Strategy
+    seed: int
+    keep: Keep
+    sums: list[float] = field(default_factory=list)
+    calls: list[Call] = field(default_factory=list)
+    plans: list[Routes] = field(default_factory=list)
+    snapshots: list[tuple[int, NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]] = field(
+        default_factory=list
+    )
+
+    def __post_init__(self) -> None:
+        scene = self.scene
+        self.truth: Truth = scene.world.truth(self.seed, scene.seconds)
+        self.noise = noise_seed(self.seed)
+        self.log = LookLog(scene.sensing.most_looks, self.keep.looks)
+        self.belief = TeamBelief(scene.estimator, scene.world, scene.sensing.most_looks)
+        self.places = scene.starts(self.strategy, self.seed)
+        self.velocities = np.zeros_like(self.places)
+        self.track = np.empty((scene.seconds + 1, *self.places.shape))
+        self.routes = _PackedRoutes(len(scene.agents))
+        self.above = False
+
+    def flown(self) -> Episode:
+        scene, team = self.scene, self.scene.team
+        v_max, a_max, capture = team.v_max, team.a_max, self.strategy.capture * team.radius_m
+        rng = generator(self.seed, Purpose.STRATEGY)
+        session = None
+        from sooner.simulation._flight_kernels import fly
+
+        for second in range(scene.seconds):
+            self.track[second] = self.places
+            self._look(second)
+            if second % scene.replan_s == 0:
+                self.belief.settle()
+                situation = self._situation(second)
+                session = session or self.strategy.session(situation, rng)
+                self.routes.take(session.routes(situation), situation.routes)
+                self.plans.append(self.routes.left)
+            self._snapshot(second)
+            self.truth.move(second, self.places)
+            routes = self.routes
+            fly(
+                self.places, self.velocities, v_max, a_max, capture, routes.waypoints, routes.lengths, routes.reached,
+                1.0, STEP_S,
+            )  # fmt: skip
+        self.track[scene.seconds] = self.places
+        return self._episode()
+
+    def _look(self, second: int) -> None:
+        scene = self.scene
+        targets = scene.target_cells[self.truth.nodes_at(second)]
+        scene.sensing.look(second, self.places, scene.world.nodes, targets, self.noise, self.log)
+        total, cell = self.belief.see(second, self.log)
+        self.sums.append(total)
+        above = total >= scene.estimator.odds
+        if above and (not self.above or scene.estimator.detector == "cbht"):
+            self.calls.append(Call(second, cell, self._target_near(second, cell)))
+        self.above = above
+
+    def _target_near(self, second: int, cell: int) -> int:
+        """The nearest target within the largest radius of view of a cell's centre, -1 if there is none."""
+        apart = self.scene.world.graph.positions_m[self.truth.nodes_at(second)] - self.scene.grid.centres_m[cell]
+        if not len(apart):
+            return -1
+        metres = np.hypot(apart[:, 0], apart[:, 1])
+        nearest = int(metres.argmin())
+        return nearest if metres[nearest] <= self.scene.sensing.radius_m.max() else -1
+
+    def _situation(self, second: int) -> Situation:
+        scene = self.scene
+        return Situation(
+            grid=scene.grid,
+            agents=scene.agents,
+            now_s=float(second),
+            end_s=float(scene.seconds),
+            replan_s=float(scene.replan_s),
+            places_m=self.places,
+            velocities_mps=self.velocities,
+            routes=self.routes.left,
+            states=self.belief.states,
+            detected_target=bool(self.calls),
+            graph=scene.world.graph,
+        )
+
+    def _snapshot(self, second: int) -> None:
+        if self.keep.beliefs_s and second % self.keep.beliefs_s == 0:
+            self.belief.settle()
+            states = self.belief.states
+            self.snapshots.append((second, states.void.copy(), states.occupied.copy(), states.explored.copy()))
+
+    def _episode(self) -> Episode:
+        scene, graph = self.scene, self.scene.world.graph
+        return Episode(
+            name=type(self.strategy).__name__,
+            seed=self.seed,
+            seconds=scene.seconds,
+            replan_s=scene.replan_s,
+            grid=scene.grid,
+            nodes=graph.cells,
+            node_places_m=graph.positions_m,
+            edges=graph.edges,
+            targets=scene.world.states.current[self.truth.path],
+            places_m=self.track,
+            radius_m=scene.sensing.radius_m,
+            known_map=scene.estimator.prior == "known",
+            node_seconds=self.belief.node_seconds,
+            sums=np.array(self.sums),
+            calls=tuple(self.calls),
+            plans=tuple(self.plans),
+            looks=self._looks() if self.keep.looks else None,
+            beliefs=self._beliefs() if self.snapshots else None,
+        )
+
+    def _looks(self) -> Looks:
+        log, end = self.log, self.log.end
+        return Looks(
+            firsts=np.array([*log.firsts, end], np.int64),
+            cells=log.cells[:end].copy(),
+            agents=log.agents[:end].copy(),
+            map_levels=log.map_levels[:end].copy(),
+            target_levels=log.target_levels[:end].copy(),
+        )
+
+    def _beliefs(self) -> Beliefs:
+        seconds, void, occupied, explored = zip(*self.snapshots, strict=True)
+        return Beliefs(np.array(seconds, np.int64), np.array(void), np.array(occupied), np.array(explored))
+
+
+class _PackedRoutes:
+    """Routes of all agents in one array, as the kernel that flies them takes them."""
+
+    def __init__(self, n_agents: int) -> None:
+        self.waypoints = np.zeros((n_agents, 1, 2))
+        self.lengths = np.zeros(n_agents, np.int64)
+        self.reached = np.zeros(n_agents, np.int64)
+
+    @property
+    def left(self) -> Routes:
+        """Waypoints not reached yet, by agent; an agent that has reached all keeps its last."""
+        return tuple(
+            self.waypoints[agent, max(min(reached, length - 1), 0) : length].copy()
+            for agent, (reached, length) in enumerate(zip(self.reached.tolist(), self.lengths.tolist(), strict=True))
+        )
+
+    def take(self, routes: Routes, before: Routes) -> None:
+        """Fly these from now on; the very tuple of `before` changes nothing."""
+        if routes is before:
+            return
+        if len(routes) != len(self.lengths):
+            raise InvalidProblemError(f"routes for {len(routes)} agents came; the team has {len(self.lengths)}")
+        longest = max(max(len(route) for route in routes), 1)
+        self.waypoints = np.zeros((len(routes), longest, 2))
+        self.lengths = np.array([len(route) for route in routes], np.int64)
+        self.reached = np.zeros(len(routes), np.int64)
+        for agent, route in enumerate(routes):
+            self.waypoints[agent, : len(route)] = route
+        if not np.isfinite(self.waypoints).all():
+            raise InvalidProblemError("a waypoint that is not a number came; expected metres east and north")
+
+
+def _checked_starts(grid: Grid, starts: NDArray[np.float64], n_agents: int) -> NDArray[np.float64]:
+    places = np.array(starts, float)
+    if places.shape != (n_agents, 2):
+        raise InvalidProblemError(f"starts of shape {places.shape} came for {n_agents} agents; expected (A, 2)")
+    low, high = area(grid)
+    outside = ~((places >= low - 1e-6) & (places <= high + 1e-6)).all(axis=1)
+    if outside.any():
+        east, north = places[np.flatnonzero(outside)[0]]
+        raise InvalidProblemError(
+            f"an agent that starts {east:g} m east, {north:g} m north came; the ground is {low[0]:g} to {high[0]:g} m "
+            f"east and {low[1]:g} to {high[1]:g} m north of the south-west cell's centre"
+        )
+    return places
