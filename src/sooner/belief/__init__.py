@@ -11,6 +11,7 @@ from sooner.belief.information import (
     information_table,
     look_information,
 )
+from sooner.belief.state_information import InformationTable, state_entropy, state_information
 from sooner.belief.street_kriging import KrigingSession, StreetKriging, street_directions
 from sooner.belief.update import predict, update_on_miss
 
@@ -19,6 +20,7 @@ __all__ = [
     "BetaGrid",
     "CellStates",
     "EvidenceGrid",
+    "InformationTable",
     "KrigingSession",
     "StreetKriging",
     "beta_information",
@@ -33,6 +35,8 @@ __all__ = [
     "odds_of_confidence",
     "predict",
     "search_time_limit",
+    "state_entropy",
+    "state_information",
     "stationary_theta",
     "street_directions",
     "theta_from_counts",
