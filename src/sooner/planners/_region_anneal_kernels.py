@@ -7,18 +7,22 @@ first region, every searched region lies on them, and only the first and the las
 counts (A,) int32      how often each action is flown; a < R searches region a
 degree (R,) int32      edges used at each region
 looks (K,) int32       looks at each atom
-whole (7,) int64       two words of random state, END region, STAMP of marks, EDGES used in all, UNDO length, and
-                       BEST_END, where the best numbers end
+whole (8,) int64       two words of random state, END region, STAMP of marks, EDGES used in all, UNDO length,
+                       BEST_END, where the best numbers end, and TOUCHED, how many regions a move has touched
 real (3,) float64      SECONDS used, VALUE, BEST value
 kept (A,) int32        the best numbers so far
 marks (R,), queue (2, R), undo (U,)     scratch
+touched (6 LONGEST,)                    regions at which a move has parted what was joined
+
+Most moves are refused for what they would cost, so that is asked first. Whether what is left hangs together takes a
+search, and it is made only for moves that would else be taken, and only where the last copy of an edge has gone.
 """
 
 import math
 
 from sooner.planners._random_kernels import below, draw, kernel
 
-END, STAMP, EDGES, UNDO, BEST_END = 2, 3, 4, 5, 6
+END, STAMP, EDGES, UNDO, BEST_END, TOUCHED = 2, 3, 4, 5, 6, 7
 SECONDS, VALUE, BEST = 0, 1, 2
 LONGEST = 16  # most edges of a cycle
 
@@ -88,30 +92,32 @@ def _joined(way_starts, ways, ends, counts, marks, queue, whole, one, other):
 
 
 @kernel
-def _one_piece(way_starts, ways, ends, counts, degree, marks, queue, whole, first, touched, n_touched, known):
-    """Whether a change at some regions has left all edges in use in one piece with the first region.
+def _touch(whole, touched, one, other):
+    """Remember two regions that an edge has ceased, or begun, to join."""
+    touched[whole[TOUCHED]], touched[whole[TOUCHED] + 1] = one, other
+    whole[TOUCHED] += 2
 
-    `known` says that one of the touched regions was in that piece before. Each piece that a change can make has a
-    touched region in it, so they need only be joined with one another.
+
+@kernel
+def _one_piece(way_starts, ways, ends, counts, degree, marks, queue, whole, first, touched):
+    """Whether a move has left all edges in use in one piece with the first region.
+
+    Before it they were. What is added begins at a region in use, or at the first; so every piece that a move can make
+    has a touched region in it, and these need only be joined with one another.
     """
-    for number in range(n_touched):
-        region = touched[number]
-        if degree[region] == 0 and counts[region] > 0 and region != first:
-            return False
-    if whole[EDGES] == 0:
-        return True
-    if degree[first] == 0:
-        return False
-    reference = -1 if known else first
-    for number in range(n_touched):
+    reference = -1
+    for number in range(whole[TOUCHED]):
         region = touched[number]
         if degree[region] == 0:
-            continue
-        if reference < 0:
+            if counts[region] > 0 and region != first:
+                return False
+        elif degree[first] == 0:
+            return False
+        elif reference < 0:
             reference = region
         elif not _joined(way_starts, ways, ends, counts, marks, queue, whole, reference, region):
             return False
-    return True
+    return whole[TOUCHED] == 0 or whole[EDGES] == 0 or degree[first] > 0
 
 
 @kernel
@@ -130,14 +136,13 @@ def _take_back(starts, atoms, gains, seconds, ends, counts, degree, looks, whole
 @kernel
 def _elementary(
     starts, atoms, way_starts, ways, ends, cycle_starts, cycles, gains, seconds, first, free_end,
-    counts, degree, looks, whole, real, marks, queue, undo, touched,
+    counts, degree, looks, whole, real, undo, touched,
 ):  # fmt: skip
-    """One random change that keeps the numbers flyable; False where what was drawn cannot be done."""
+    """One random change that keeps degrees right; False where what was drawn cannot be done."""
     n_regions = len(degree)
     n_edges = len(seconds) - n_regions
     kind = below(whole, 16)
     sign = 1 if draw(whole) & 1 else -1
-    n_touched, known = 0, False
     if kind < 7 or n_edges == 0:  # a search more, or less
         region = below(whole, n_regions)
         if (sign < 0 and counts[region] == 0) or (sign > 0 and degree[region] == 0 and region != first):
@@ -155,10 +160,9 @@ def _elementary(
             for region in (one, other):  # nobody comes by to search it any more
                 while degree[region] == 0 and region != first and counts[region] > 0 and whole[UNDO] < len(undo) - 8:
                     _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, region, -1)
-            if counts[action] > 0:
-                return True
-            touched[0], touched[1] = one, other
-            return _one_piece(way_starts, ways, ends, counts, degree, marks, queue, whole, first, touched, 2, True)
+            if counts[action] == 0:
+                _touch(whole, touched, one, other)
+            return True
         new_one, new_other = degree[one] == 0 and one != first, degree[other] == 0 and other != first
         if new_one and new_other:
             return False
@@ -181,10 +185,9 @@ def _elementary(
         there = ends[action, 0] + ends[action, 1] - here
         _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, action, sign)
         whole[END] = there
-        if sign > 0 or counts[action] > 0:
-            return True
-        touched[0], touched[1] = here, there
-        return _one_piece(way_starts, ways, ends, counts, degree, marks, queue, whole, first, touched, 2, True)
+        if counts[action] == 0:
+            _touch(whole, touched, here, there)
+        return True
     n_cycles = len(cycle_starts) - 1  # round a cycle once more, or one part of it more and the other less
     if n_cycles == 0:
         return False
@@ -196,23 +199,21 @@ def _elementary(
     for entry in range(begin, stop):
         if (mixed >> (entry - begin)) & 1 and counts[cycles[entry]] == 0:
             return False
-    flagged = False
+    known, parted = False, False
     for entry in range(begin, stop):
         action = cycles[entry]
         one, other = ends[action, 0], ends[action, 1]
         known = known or degree[one] > 0 or one == first or degree[other] > 0 or other == first
-        if (mixed >> (entry - begin)) & 1 or counts[action] == 0:
-            flagged = True
-            touched[n_touched], touched[n_touched + 1] = one, other
-            n_touched += 2
+        parted = parted or ((mixed >> (entry - begin)) & 1 and counts[action] == 1)
     if not known:
         return False
     for entry in range(begin, stop):
+        action = cycles[entry]
         sign = -1 if (mixed >> (entry - begin)) & 1 else 1
-        _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, cycles[entry], sign)
-    return not flagged or _one_piece(
-        way_starts, ways, ends, counts, degree, marks, queue, whole, first, touched, n_touched, False
-    )
+        if parted and counts[action] == (1 if sign < 0 else 0):
+            _touch(whole, touched, ends[action, 0], ends[action, 1])
+        _change(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, action, sign)
+    return True
 
 
 @kernel
@@ -232,7 +233,7 @@ def anneal(
     """Make so many moves of one to three changes each, at one temperature."""
     for _ in range(moves):
         value, used, end = real[VALUE], real[SECONDS], whole[END]
-        whole[UNDO] = 0
+        whole[UNDO], whole[TOUCHED] = 0, 0
         parts = 1 + below(whole, 3)
         done = True
         for _ in range(parts):
@@ -240,23 +241,21 @@ def anneal(
                 break
             if not _elementary(
                 starts, atoms, way_starts, ways, ends, cycle_starts, cycles, gains, seconds, first, free_end,
-                counts, degree, looks, whole, real, marks, queue, undo, touched,
+                counts, degree, looks, whole, real, undo, touched,
             ):  # fmt: skip
                 done = False
                 break
         gained = real[VALUE] - value
-        if done and real[SECONDS] <= limit_s:
-            if gained >= 0.0:
+        taken = done and real[SECONDS] <= limit_s
+        if taken and gained < 0.0:
+            taken = gained > temperature * math.log((draw(whole) + 1.0) * 2.3283064365386963e-10)
+        if taken and _one_piece(way_starts, ways, ends, counts, degree, marks, queue, whole, first, touched):
+            if gained >= 0.0 or value <= real[BEST] + 1e-12:
                 continue
-            if gained > temperature * math.log((draw(whole) + 1.0) * 2.3283064365386963e-10):
-                if value <= real[BEST] + 1e-12:
-                    continue
-                # The first step down from a new best is spent on remembering it.
-                _take_back(
-                    starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, value, used, end
-                )
-                _keep(counts, kept, whole, real)
-                continue
+            # The first step down from a new best is spent on remembering it.
+            _take_back(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, value, used, end)
+            _keep(counts, kept, whole, real)
+            continue
         _take_back(starts, atoms, gains, seconds, ends, counts, degree, looks, whole, real, undo, value, used, end)
     if real[VALUE] > real[BEST] + 1e-12:
         _keep(counts, kept, whole, real)

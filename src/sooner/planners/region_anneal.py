@@ -39,7 +39,7 @@ class RegionAnneal:
     hot, cold : float          temperatures at the beginning and end, in mean gains of an action of the relaxed plan
     walks : int                started together from the better of depth-first coverage and a greedy walk
     halvings : (share, n)      after this share of a round the n best go on
-    moves : int                of each thread between two yields
+    moves : int                of each thread between two yields; as many more for each further thousand actions
     longest : int              ticks after which a round begins anew, where there is time for more than one
     threads : int              a plan depends on their number, never on their speed
     """
@@ -64,14 +64,14 @@ class RegionAnneal:
         share = yield best
         numbers = _Numbers(ground)
         start = best.plan.actions[0]
-        rounds = Rounds(self.longest, FIRST_ROUND)
+        rounds, moves = Rounds(self.longest, FIRST_ROUND), self.moves * (1 + ground.n_actions // 1000)
         with ThreadPoolExecutor(self.threads) as pool:
             while True:
                 rounds = rounds.begun(share)
                 states = [_State(numbers, start, stream) for stream in rng.spawn(max(self.walks, self.threads))]
                 while (now := rounds.now(share)) < 1.0:
                     states = self._halved(states, now)
-                    self._anneal(states, now, pool)
+                    self._anneal(states, now, moves, pool)
                     best = _better(problem, numbers, states, best)
                     share = yield best
                     rounds.tick += 1
@@ -82,13 +82,13 @@ class RegionAnneal:
         keep = min((max(n, self.threads) for share, n in self.halvings if now >= share), default=len(states))
         return sorted(states, key=lambda state: -state.value)[:keep] if keep < len(states) else states
 
-    def _anneal(self, states: list[_State], now: float, pool: ThreadPoolExecutor) -> None:
+    def _anneal(self, states: list[_State], now: float, moves: int, pool: ThreadPoolExecutor) -> None:
         """One tick: every thread makes the same number of moves, shared among its states."""
         temperature = self.hot * (self.cold / self.hot) ** now if now < 0.97 else POLISH
 
         def run(own: list[_State]) -> None:
             for state in own:
-                state.anneal(temperature, self.moves // len(own))
+                state.anneal(temperature, moves // len(own))
 
         list(pool.map(run, [states[k :: self.threads] for k in range(min(self.threads, len(states)))]))
 
@@ -129,7 +129,7 @@ class _State:
         self.looks = np.zeros(len(ground.gains), np.int32)
         np.add.at(self.looks, ground.atoms, np.repeat(self.counts, np.diff(ground.starts)))
         end = ground.walked(actions.tolist())
-        self.whole = np.array([*rng.integers(1, 2**32, 2), end, 2, edges.sum(), 0, end], np.int64)
+        self.whole = np.array([*rng.integers(1, 2**32, 2), end, 2, edges.sum(), 0, end, 0], np.int64)
         held = np.minimum(self.looks, ground.gains.shape[1])
         value = np.concatenate([np.zeros((len(held), 1)), np.cumsum(ground.gains, axis=1)], axis=1)
         total = float(value[np.arange(len(held)), held].sum())
@@ -137,7 +137,7 @@ class _State:
         self.kept = self.counts.copy()
         self.scratch = (
             np.zeros(ground.n_regions, np.int64), np.zeros((2, ground.n_regions), np.int32), np.zeros(96, np.int64),
-            np.zeros(2 * LONGEST + 2, np.int64),
+            np.zeros(6 * LONGEST, np.int64),
         )  # fmt: skip
 
     @property
