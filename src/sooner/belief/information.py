@@ -36,6 +36,9 @@ def look_information(theta: ArrayLike, detect: ArrayLike, false_alarm: ArrayLike
     array([0.39 , 0.209, 0.   ])
     """
     t, d, f = (np.asarray(values, np.float64) for values in (theta, detect, false_alarm))
+    if t.size > CHUNK and d.ndim == f.ndim == 0:
+        parts = (t.reshape(-1)[first : first + CHUNK] for first in range(0, t.size, CHUNK))
+        return np.concatenate([look_information(part, d, f) for part in parts]).reshape(t.shape)
     bits = binary_entropy(t * d + (1.0 - t) * f) - t * binary_entropy(d) - (1.0 - t) * binary_entropy(f)
     return np.asarray(np.maximum(bits, 0.0))
 

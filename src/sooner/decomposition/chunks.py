@@ -11,6 +11,8 @@ from sooner.grid import Grid
 
 __all__ = ["chunked", "tidied"]
 
+ROWS = 64  # of the map at a time, where memory is what counts
+
 
 def chunked(
     grid: Grid,
@@ -98,9 +100,11 @@ def _stacked(pieces: Pieces, rows: float) -> NDArray[np.int32]:
     shares = np.maximum(np.rint(height / rows), 1).astype(np.int64)
     before = np.cumsum(shares) - shares
     labels = pieces.painted(part)
-    row, col = np.nonzero(labels >= 0)
-    own = labels[row, col]
-    labels[row, col] = before[own] + (row - north[own]) * shares[own] // height[own]
+    for top in range(0, len(labels), ROWS):
+        some = labels[top : top + ROWS]
+        row, col = np.nonzero(some >= 0)
+        own = some[row, col]
+        some[row, col] = before[own] + (row + top - north[own]) * shares[own] // height[own]
     return labels
 
 

@@ -107,6 +107,21 @@ def trace(passable, width, straight, diagonal, goal):
 
 
 @njit(cache=True, nogil=True)
+def turning(points, limit):
+    """Which waypoints (n, 2) a way keeps, (n,) bool: its ends, and where it turns by more than so many radians."""
+    kept = np.ones(points.shape[0], np.bool_)
+    last = 0
+    for k in range(1, points.shape[0] - 1):
+        east, north = points[k, 0] - points[last, 0], points[k, 1] - points[last, 1]
+        to_east, to_north = points[k + 1, 0] - points[k, 0], points[k + 1, 1] - points[k, 1]
+        turn = math.atan2(abs(east * to_north - north * to_east), east * to_east + north * to_north)
+        kept[k] = turn > limit
+        if kept[k]:
+            last = k
+    return kept
+
+
+@njit(cache=True, nogil=True)
 def clear(passable, width, row_a, col_a, row_b, col_b):
     """Whether a segment within the map touches the closed square of no obstacle.
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sooner.errors import InfeasibleProblemError, InvalidProblemError, UnsupportedProblemError
-from sooner.grid._path_kernels import TOUCH, clear, shortcut, slide, spread, trace
+from sooner.grid._path_kernels import TOUCH, clear, shortcut, slide, spread, trace, turning
 from sooner.grid.grid import Grid
 
 __all__ = [
@@ -190,11 +190,7 @@ def pruned(path: ArrayLike, degrees: float = 5.0) -> NDArray[np.float64]:
            [3., 1.]])
     """
     points = np.asarray(path, np.float64)
-    kept = points[:1].tolist()
-    for here, after in pairwise(points[1:]):
-        if turns_rad([kept[-1], here, after])[0] > np.radians(degrees):
-            kept.append(here.tolist())
-    return np.array(kept + points[1:].tolist()[-1:])
+    return np.asarray(points[turning(points, np.radians(degrees))])
 
 
 def string_pulled(grid: Grid, path: ArrayLike) -> NDArray[np.float64]:

@@ -99,17 +99,18 @@ def atoms_of(footprints: Footprints, n_cells: int) -> Atoms:
     >>> sorted(found.sizes.tolist()), found.of_cell[4], [len(found.of(a)) for a in (0, 1)]
     ([1, 1, 2], np.int32(-1), [2, 2])
     """
-    from sooner.problem._atom_kernels import add_numbers
+    from sooner.problem._atom_kernels import add_numbers, grouped, renumber
 
     for seed in range(8):
         numbers = np.random.default_rng(seed).integers(1, 2**63, footprints.n_actions, dtype=np.uint64)
         sums = np.zeros(n_cells, np.uint64)
         add_numbers(footprints.starts, footprints.cells, numbers, sums)
-        touched = np.flatnonzero(sums)
-        _, groups, sizes = np.unique(sums[touched], return_inverse=True, return_counts=True)
-        of_cell = np.full(n_cells, -1, np.int32)
-        of_cell[touched] = groups
-        atoms = _covered(footprints, of_cell, sizes)
+        of_cell = np.empty(n_cells, np.int32)
+        found, sizes = grouped(sums, of_cell)
+        del sums
+        order = np.argsort(found)
+        renumber(of_cell, np.argsort(order))
+        atoms = _covered(footprints, of_cell, sizes[order])
         if atoms is not None:
             return atoms
     raise AssertionError("eight draws of 64-bit numbers all collided")
@@ -117,31 +118,20 @@ def atoms_of(footprints: Footprints, n_cells: int) -> Atoms:
 
 def _covered(footprints: Footprints, of_cell: NDArray[np.int32], sizes: NDArray[np.int64]) -> Atoms | None:
     """What each action covers; None where it covers an atom in part, which only a collision can bring about."""
-    starts, parts = [0], []
+    from sooner.problem._atom_kernels import cover
+
+    starts, parts, place = [0], [], np.full(len(sizes), -1, np.int64)
     for action in range(footprints.n_actions):
         entries = slice(footprints.starts[action], footprints.starts[action + 1])
-        cells = footprints.cells[entries]
-        before = _looks_before(cells)
-        most = int(before.max(initial=0)) + 1
-        found, which, counts = np.unique(of_cell[cells] * most + before, return_inverse=True, return_counts=True)
-        atoms, before = np.divmod(found, most)
+        own = footprints.cells[entries], footprints.seconds[entries], footprints.back_s[entries]
+        atoms, before, counts, ahead, behind = cover(*own, of_cell, place)
         if (counts != sizes[atoms]).any():
             return None
-        ahead, behind = (
-            np.bincount(which, of[entries], len(atoms)) / counts for of in (footprints.seconds, footprints.back_s)
-        )
-        order = np.argsort(ahead, kind="stable")
-        parts.append([each[order] for each in (atoms.astype(np.int64), before.astype(np.int64), ahead, behind)])
+        ahead, behind = ahead / counts, behind / counts
+        order = np.lexsort((before, atoms, ahead))
+        parts.append([each[order] for each in (atoms, before, ahead, behind)])
         starts.append(starts[-1] + len(atoms))
-    return Atoms(of_cell, np.asarray(sizes), np.array(starts), *map(_joined, zip(*parts, strict=True)))
-
-
-def _looks_before(cells: NDArray[np.int32]) -> NDArray[np.int64]:
-    """How often each number stood before, in an ascending list."""
-    if (new := np.append(True, cells[1:] != cells[:-1])[: len(cells)]).all():
-        return np.zeros(len(cells), np.int64)
-    places = np.arange(len(cells))
-    return places - np.maximum.accumulate(np.where(new, places, 0))
+    return Atoms(of_cell, sizes, np.array(starts), *map(_joined, zip(*parts, strict=True)))
 
 
 def _joined(parts: Iterable[NDArray[Any]]) -> NDArray[Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -27,6 +28,9 @@ from sooner.sensors.footprint import cell_passes, swept_cells
 __all__ = ["PRESET_A", "PRESET_B", "Place", "Sweep", "region_problem", "two_searches_s"]
 
 LOOKS = 64
+THREADS = 2  # that look for what is in view, the same whatever their number
+LARGE = 1 << 20  # cells from which on they are worth it
+CHUNK = 1 << 14  # looks whose times are worked out at once
 Place = tuple[int, int]
 
 
@@ -194,20 +198,29 @@ def _region_of(grid: Grid, regions: Regions, cell: int) -> int:
 
 
 def _footprints(grid: Grid, sweep: Sweep, flights: Sequence[Trajectory], kinds: Sequence[str]) -> Footprints:
-    starts = [0]
-    cells: list[NDArray[np.int32]] = []
-    ahead: list[NDArray[np.float32]] = []
-    behind: list[NDArray[np.float32]] = []
-    for flight, kind in zip(flights, kinds, strict=True):
-        points, flown_m = flight.polyline()
-        chords_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-        seen, comes_m, goes_m = (_in_view if sweep.looks == "actions" else _passes)(grid, sweep, points, kind)
-        cells.append(seen.astype(np.int32))
-        ahead.append(flight.times_at(np.interp(comes_m, chords_m, flown_m)).astype(np.float32))
-        last_s = flight.times_at(np.interp(goes_m, chords_m, flown_m))
-        behind.append((flight.duration - last_s).astype(np.float32))
-        starts.append(starts[-1] + len(seen))
-    return Footprints(np.array(starts), _poured(cells), _poured(ahead), _poured(behind))
+    with ThreadPoolExecutor(THREADS if grid.n_cells >= LARGE else 1) as pool:
+        seen = list(pool.map(lambda flown: _looks(grid, sweep, *flown), zip(flights, kinds, strict=True)))
+    starts = np.cumsum([0, *(len(cells) for cells, _, _ in seen)])
+    cells, ahead, behind = (list(each) for each in zip(*seen, strict=True))
+    seen.clear()
+    return Footprints(starts, _poured(cells), _poured(ahead), _poured(behind))
+
+
+def _looks(
+    grid: Grid, sweep: Sweep, flight: Trajectory, kind: str
+) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]:
+    """Cells that one action looks at, and the seconds before each look, as it is flown and the other way round."""
+    points, flown_m = flight.polyline()
+    chords_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    seen, comes_m, goes_m = (_in_view if sweep.looks == "actions" else _passes)(grid, sweep, points, kind)
+    cells = seen.astype(np.int32)
+    del seen
+    ahead, behind = np.empty((2, len(cells)), np.float32)
+    for first in range(0, len(cells), CHUNK):  # what is in between stays in the processor's cache
+        part = slice(first, first + CHUNK)
+        ahead[part] = flight.times_at(np.interp(comes_m[part], chords_m, flown_m))
+        behind[part] = flight.duration - flight.times_at(np.interp(goes_m[part], chords_m, flown_m))
+    return cells, ahead, behind
 
 
 _Seen = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]
@@ -234,7 +247,11 @@ def _passes(grid: Grid, sweep: Sweep, points: NDArray[np.float64], kind: str) ->
 
 
 def _poured(parts: list[NDArray[Any]]) -> NDArray[Any]:
-    """All parts as one array; the list is emptied, as on large maps there is no room for both."""
-    whole = np.concatenate(parts)
-    parts.clear()
+    """All parts as one array; the list is emptied as it fills, as on large maps there is no room for both."""
+    whole = np.empty(sum(map(len, parts)), parts[0].dtype)
+    filled = len(whole)
+    while parts:
+        part = parts.pop()
+        whole[filled - len(part) : filled] = part
+        filled -= len(part)
     return whole

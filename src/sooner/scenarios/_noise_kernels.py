@@ -46,11 +46,11 @@ def noise_at(x, y, permutation):
 
 
 @njit(cache=True, nogil=True)
-def add_noise(elevation, frequency, weight, permutation):
-    """Add weight * S(frequency * column, frequency * row) to every cell.
+def add_noise(elevation, top, frequency, weight, permutation):
+    """Add weight * S(frequency * column, frequency * row) to every cell, rows counted from `top`.
 
     elevation : (H, W) float, changed in place; frequency, weight : float; permutation : (256,) int64.
     """
     for row in range(elevation.shape[0]):
         for col in range(elevation.shape[1]):
-            elevation[row, col] += weight * _noise(frequency * col, frequency * row, permutation)
+            elevation[row, col] += weight * _noise(frequency * col, frequency * (top + row), permutation)

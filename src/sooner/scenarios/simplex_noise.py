@@ -11,6 +11,7 @@ the public domain), which the paper used; the same seed gives the same noise as 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +20,9 @@ from sooner.errors import InvalidProblemError
 
 __all__ = ["elevation", "simplex_noise"]
 
+THREADS = 2  # that add noise, the same whatever their number
+LARGE = 1 << 20  # cells from which on they are worth it
+ROWS = 64  # of the map, that one thread adds at a time
 FARTHEST = 2.0**40  # beyond, the spacing of floats shows in the noise
 
 # The generator: state <- state * FACTOR + SHIFT modulo 2^64 [Knuth's MMIX constants]
@@ -94,8 +98,14 @@ def elevation(
 
     total = np.zeros(shape)
     permutation = _permutation(seed)
-    for frequency, weight in zip(frequencies, weights, strict=True):
-        add_noise(total, float(frequency), float(weight), permutation)
+    bands = [(float(frequency), float(weight)) for frequency, weight in zip(frequencies, weights, strict=True)]
+
+    def add(top: int) -> None:
+        for frequency, weight in bands:
+            add_noise(total[top : top + ROWS], top, frequency, weight, permutation)
+
+    with ThreadPoolExecutor(THREADS if total.size >= LARGE else 1) as pool:
+        list(pool.map(add, range(0, shape[0], ROWS)))
     return total
 
 
