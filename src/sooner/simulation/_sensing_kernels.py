@@ -23,8 +23,8 @@ def level_of(cumulative, draw):
 
 @njit(cache=True, nogil=True)
 def sense(
-    places, radius_m, shape, cell_m, nodes, targets, seed, second, cumulative, ratios, logs,
-    start, cells, agents, map_levels, target_levels, map_ratios, target_ratios, target_logs,
+    places, radius_m, shape, cell_m, nodes, targets, seed, second, cumulative, ratios,
+    start, cells, agents, map_levels, target_levels, map_ratios, target_ratios,
 ):  # fmt: skip
     """Look at all cells whose centres are within an agent's radius, agent by agent, and write what is read to a log.
 
@@ -35,8 +35,7 @@ def sense(
     targets : (Q,) int64           cells where the target sensor has one; -1 for none
     cumulative : (A, 4, n)         P(level <= l) of each agent's map noise, map signal, target noise, target signal
     ratios : (A, 2, n)             P(level | signal) / P(level | noise) of each agent's map and target sensor
-    logs : (A, n)                  natural logarithms of the target sensor's
-    start : int                    where in the log to begin; the seven arrays after it are the log
+    start : int                    where in the log to begin; the six arrays after it are the log
 
     Returns where the log now ends.
     """
@@ -68,6 +67,5 @@ def sense(
                 target_levels[end] = target_level
                 map_ratios[end] = ratios[agent, 0, map_level]
                 target_ratios[end] = ratios[agent, 1, target_level]
-                target_logs[end] = logs[agent, target_level]
                 end += 1
     return end

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from sooner.belief.cell_states import CellStates
+from sooner.belief.street_kriging import StreetKriging
 from sooner.belief.track_before_detect import Track, TrackBeforeDetect
 from sooner.errors import InvalidProblemError
 from sooner.simulation.sensing import LookLog
@@ -79,6 +80,8 @@ class TeamBelief:
         else:
             self.states = CellStates.unknown(n_cells, estimator.void, estimator.absent)
         self.node_seconds = np.where(self.states.nodes, 0, -1).astype(np.int64)
+        self._world = world
+        self._kriging = StreetKriging().session(world.graph.grid) if estimator.prior == "kriged" else None
         self.track = _begun(estimator, world) if estimator.detector == "lrdt" else None
         self._found = np.empty(most_looks, np.int64)
         self._ratios = np.zeros(n_cells)
@@ -100,10 +103,22 @@ class TeamBelief:
         if track is None:
             return odds, cell
         now = slice(log.start, log.end)
-        return track.second(self._found[:new], log.cells[now], log.target_logs[now], self._ratios)
+        return track.second(self._found[:new], log.cells[now], log.target_ratios[now], self._ratios)
+
+    def predict(self) -> None:
+        """Before a replan: what was seen says where nodes are likely that nobody has seen, if the prior is kriged."""
+        self.settle()
+        if self._kriging is None:
+            return
+        from sooner.belief._cell_state_kernels import expect_void
+
+        states, world = self.states, self._world
+        angles = world.edge_angles[states.nodes[world.edge_cells].all(axis=1)]
+        void = self._kriging.expected_void(states.void, states.explored, angles)
+        expect_void(states.void, states.unoccupied, states.occupied, states.explored, void, self.estimator.absent)
 
     def settle(self) -> None:
-        """Before a strategy asks: cells of nodes are told by the tracker."""
+        """Cells of nodes are told by the tracker; nothing else changes."""
         from sooner.belief._cell_state_kernels import set_nodes
 
         if self.track is not None:

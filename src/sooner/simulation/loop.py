@@ -156,7 +156,7 @@ class _Flight:
             self.track[second] = self.places
             self._look(second)
             if second % scene.replan_s == 0:
-                self.belief.settle()
+                self.belief.predict()
                 situation = self._situation(second)
                 session = session or self.strategy.session(situation, rng)
                 self.routes.take(session.routes(situation), situation.routes)

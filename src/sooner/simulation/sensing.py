@@ -74,11 +74,6 @@ class Sensing:
                 out[agent, row, : sensor.levels] = sensor.likelihood_ratios
         return out
 
-    @cached_property
-    def target_logs(self) -> NDArray[np.float64]:
-        """(A, n) float: natural logarithms of the target sensors' ratios."""
-        return np.log(self.ratios[:, 1])
-
     @property
     def _most_levels(self) -> int:
         return max(max(agent.map_sensor.levels, agent.target_sensor.levels) for agent in self.agents)
@@ -124,8 +119,8 @@ class Sensing:
         log.begin(second, self.most_looks)
         log.end = sense(
             places_m, self.radius_m, self.shape, self.grid.cell_m, nodes, targets, seed, second, self.cumulative,
-            self.ratios, self.target_logs, log.start, log.cells, log.agents, log.map_levels, log.target_levels,
-            log.map_ratios, log.target_ratios, log.target_logs,
+            self.ratios, log.start, log.cells, log.agents, log.map_levels, log.target_levels,
+            log.map_ratios, log.target_ratios,
         )  # fmt: skip
 
 
@@ -133,8 +128,7 @@ class LookLog:
     """Looks of one search, second by second; the newest second is `start` to `end`.
 
     cells (L,) int32, agents (L,) int16, map_levels and target_levels (L,) int16; map_ratios and target_ratios (L,)
-    float: the likelihood ratios P(level | signal) / P(level | noise) that beliefs take in; target_logs (L,) float: the
-    natural logarithms of the latter.
+    float: the likelihood ratios P(level | signal) / P(level | noise) that beliefs take in.
 
     Parameters
     ----------
@@ -151,7 +145,6 @@ class LookLog:
         self.target_levels = np.empty(room, np.int16)
         self.map_ratios = np.empty(room)
         self.target_ratios = np.empty(room)
-        self.target_logs = np.empty(room)
 
     def begin(self, second: int, most: int) -> None:
         """Make room for the looks of one more second."""

@@ -97,6 +97,18 @@ class World:
         return self.walk.weights(self.cell_states)
 
     @cached_property
+    def edge_cells(self) -> NDArray[np.int64]:
+        """(E, 2) int64: the cells that each edge joins."""
+        cells: NDArray[np.int64] = self.graph.cells[self.graph.edges]
+        return cells
+
+    @cached_property
+    def edge_angles(self) -> NDArray[np.float64]:
+        """(E,) float: the direction of each edge, radians counter-clockwise from east."""
+        first, second = self.graph.positions_m[self.graph.edges].transpose(1, 2, 0)
+        return np.asarray(np.arctan2(second[1] - first[1], second[0] - first[0]))
+
+    @cached_property
     def nodes(self) -> NDArray[np.bool_]:
         """(M,) bool: cells that hold a node."""
         held: NDArray[np.bool_] = self.graph.node_of_cell >= 0
