@@ -14,6 +14,8 @@ from sooner.decomposition import boustrophedon, regions_for
 from sooner.errors import SoonerError
 from sooner.grid import Grid
 from sooner.planners import max_ticks, solve
+from sooner.planners.region_early import brought_forward
+from sooner.planners.region_greedy import RegionGreedy
 from sooner.planners.registry import PLANNERS
 from sooner.plotting import draw_plan
 from sooner.problem import CellMoves, Plan, SearchProblem, evaluate, information_gains
@@ -27,7 +29,7 @@ BOUNDS = 60  # more than it takes for every kernel of every proof to have had it
 
 
 def warm_up() -> Iterator[str]:
-    """Yield the name of each planner, of the bounds and of the picture, once they are compiled and cached."""
+    """Yield the name of each planner, of the bounds and of what comes after, once they are compiled and cached."""
     regions, problems = _regions(), _problems()
     for problem in problems:
         for _ in islice(bounds(problem, 0.5 * problem.teleport.value), BOUNDS):
@@ -44,6 +46,8 @@ def warm_up() -> Iterator[str]:
             except SoonerError:  # a small map may be too small for it
                 continue
         yield name
+    brought_forward(regions, solve(regions, RegionGreedy()).best.plan, walks=1, moves=200)
+    yield "brought forward"
     start = Plan.of([problems[0].grid.index(problems[0].searcher.start)])
     draw_plan(evaluate(problems[0], start), start, np.full(problems[0].grid.shape, 1.0 / problems[0].grid.n_cells))
     yield "picture"
