@@ -85,7 +85,7 @@ def test_chunks_are_as_wide_and_as_tall_as_was_asked():
 def test_regions_do_not_reach_over_a_border_of_classes():
     grid, gains = Grid((40, 60), "square8"), np.full((40, 60), 0.4)
     gains[:, 25:] = 0.05
-    cut = regions_for(grid, gains, tile_m=1000.0)
+    cut = regions_for(grid, gains, chunk_m=1000.0)
     assert cut.n_regions == 2
     assert (cut.labels[:, :25] == 0).all()
 
@@ -106,18 +106,27 @@ def test_even_gains_are_one_class_and_noise_makes_no_ragged_border():
     assert (np.diff(classes, axis=1) != 0).sum() == 40
 
 
-def test_a_large_map_has_larger_tiles_instead_of_ever_more_regions():
+def test_even_ground_is_cut_only_where_a_region_is_too_large():
+    grid = Grid((30, 40), "square8", 10.0)
+    assert regions_for(grid, np.ones(1200)).n_regions == 1
+    parts = regions_for(grid, np.ones(1200), largest_m2=30_000.0)
+    assert parts.sizes.tolist() == [300] * 4
+
+
+def test_a_large_map_has_larger_chunks_instead_of_ever_more_regions():
     grid = Grid((300, 300), "square8", 10.0)
-    assert regions_for(grid, np.ones(90_000), most=100).n_regions <= 150
+    assert 50 <= regions_for(grid, np.ones(90_000), most=100, largest_m2=5000.0).n_regions <= 150
+    halves = np.repeat([[1.0, 3.0]], 150, axis=1).repeat(300, axis=0)
+    assert 50 <= regions_for(grid, halves, most=100, largest_m2=5000.0).n_regions <= 150
 
 
-def test_tiles_of_a_finer_map_are_those_of_the_coarse_one():
+def test_chunks_of_a_finer_map_are_those_of_the_coarse_one():
     grid, gains = ground(3)
     rock, many = np.kron(~grid.passable.reshape(30, 40), np.ones((3, 3))) > 0, np.kron(gains, np.ones((3, 3)))
     fine = replace(grid, shape=(90, 120), cell_m=2.0 / 3, obstacles=rock)
     plain, finely = (boustrophedon(each, min_cells=10, min_columns=1, at_width=40) for each in (grid, fine))
-    coarse = regions_for(grid, gains, plain, tile_m=16.0)
-    finer = regions_for(fine, many, finely, tile_m=16.0)
+    coarse = regions_for(grid, gains, plain, chunk_m=16.0, min_m2=100.0)
+    finer = regions_for(fine, many, finely, chunk_m=16.0, min_m2=100.0)
     assert abs(finer.n_regions - coarse.n_regions) <= 0.15 * coarse.n_regions + 1
 
 

@@ -8,7 +8,7 @@ from sooner.planners import region_early
 from sooner.planners.region_early import KEEP, brought_forward
 from tests.missions.test_over_regions import ground  # noqa: F401  a fixture
 
-MANY = '\n[regions]\ncut = "aware"\n'  # regions, so that there is something to put in order
+MANY = "\n[regions]\nchunk_m = 16.0\n"  # regions, so that there is something to put in order
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ def test_detection_is_brought_forward_and_information_is_not(ground, by_moves): 
 
 
 def test_information_is_brought_forward_where_it_is_asked_for(ground, by_moves):  # noqa: F811
-    planned = plan_mission(read_mission(ground(more="early = true" + MANY)), "depth-first", seconds=2.0)
+    planned = plan_mission(read_mission(ground(more="early = true" + MANY, seconds=900)), "depth-first", seconds=2.0)
     told = planned.result(None)
     before = told["brought_forward"]["before"]
     assert told["early_share"] > before["early_share"]

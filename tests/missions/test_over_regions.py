@@ -65,6 +65,8 @@ def ground(tmp_path):
     return write
 
 
+PLAIN = '[regions]\ncut = "plain"'
+
 KINDS = [
     (known, objective, moves)
     for known in KNOWN
@@ -101,13 +103,17 @@ def test_looks_counted_cell_by_cell_are_worth_what_the_judge_says(ground, known,
 
 @pytest.mark.parametrize("turns", ["stop", "rounded"])
 def test_a_plan_lasts_as_long_as_its_flight_integrated_in_small_steps(ground, turns):
-    mission = read_mission(ground(more=f'[regions]\nturns = "{turns}"'))
+    mission = read_mission(ground(more=f'[regions]\nturns = "{turns}"\nspacing_m = 8.0'))
     moves, drone = mission.problem.searcher.moves, Dynamics(5.0, 2.0)
     plan = plan_mission(mission, "depth-first", seconds=5.0).score.plan
     total = 0.0
     for action, _, turned in moves.flown(plan.actions[0]):
         path = moves.graph.paths[action][:: -1 if turned else 1]
-        flight = rounded(path, drone) if turns == "rounded" and len(path) > 2 else Trajectory.through(path, drone)
+        flight = (
+            rounded(path, drone, deviation_m=2.0)
+            if turns == "rounded" and len(path) > 2
+            else Trajectory.through(path, drone)
+        )
         flown = integrated(flight, dt=0.01)
         assert max(flown.end_m, flown.end_mps) < 1e-3 * max(flight.length_m, 1.0)
         assert flown.top_mps < 5.0 + 1e-3
@@ -163,7 +169,9 @@ def test_two_drones_learn_more_than_one_and_less_than_their_joint_bound(ground):
 
 def test_a_camera_sets_the_radius_and_caps_the_speed(ground):
     camera = "camera = { fov_deg = 90, altitude_m = 8, pixels = 1200, exposure_s = 0.003 }"
-    slow, fast = read_mission(ground(radius=camera, seconds=3000)), read_mission(ground())
+    slow, fast = (
+        read_mission(ground(radius=radius, seconds=3000, more=PLAIN)) for radius in (camera, "radius_m = 8.0")
+    )
     sharp = 8.0 * (2.0 / (0.003 * 1200) - 0.5)
     assert sharp < 5.0
     assert slow.notes == (f"[sensor.camera] allows {sharp:.3g} m/s; nothing flies faster",)
@@ -194,7 +202,7 @@ def test_time_for_a_way_but_for_no_search_is_refused_with_what_a_search_takes(gr
 
 
 def test_cells_half_the_size_have_the_same_regions(ground, tmp_path):
-    path = ground()
+    path = ground(more=PLAIN)
     coarse = read_mission(path).problem.searcher.moves.graph
     for name in ("rock", "theta"):
         fine = np.kron(np.loadtxt(tmp_path / f"{name}.csv", delimiter=","), np.ones((2, 2)))

@@ -28,8 +28,9 @@ def with_second(path, speed=5.0, more=""):
 
 
 def test_unlike_drones_each_fly_at_their_own_speed_and_share_what_is_learnt(ground, tmp_path):  # noqa: F811
-    slow = read_mission(ground()).problem.searcher.moves.graph
-    mission = read_mission(with_second(ground(), 10.0))
+    alike = '[regions]\ncut = "plain"\nspacing_m = 8.0\n'
+    slow = read_mission(ground(more=alike)).problem.searcher.moves.graph
+    mission = read_mission(with_second(ground(more=alike), 10.0))
     one, two = (searcher.moves for searcher in mission.problem.searchers)
     searches = slice(slow.n_regions)
     np.testing.assert_allclose(one.graph.seconds[searches], slow.seconds[searches])

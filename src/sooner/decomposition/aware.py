@@ -18,38 +18,47 @@ def regions_for(
     grid: Grid,
     first_look: ArrayLike,
     base: Regions | None = None,
-    tile_m: float = 22.0,
+    chunk_m: float = 52.8,
     most: int = 400,
-    min_m2: float = 100.0,
+    min_m2: float = 363.0,
+    largest_m2: float = np.inf,
 ) -> Regions:
-    """Regions of ground that is alike, small enough to be searched as often as each is worth.
+    """Regions of ground that is alike, so that each can be searched as often as it is worth.
 
-    Boustrophedon regions, cut at the borders of `gain_classes` and into tiles.
+    Boustrophedon regions, cut at the borders of `gain_classes` and into chunks; where ground is all alike, as they are
+    but for those that are too large.
 
     Parameters
     ----------
     grid : Grid                square cells
     first_look : (N,) float    what the first look at each cell pays: `Gains.first`
     base : Regions             what is cut; None: `boustrophedon(grid)`
-    tile_m : float             metres, the side of a tile: best about two and a half times the sensing radius
-    most : int                 tiles grow where there would be more of them than this
+    chunk_m : float            metres from west to east of a chunk: best about six times the sensing radius
+    most : int                 chunks grow where there would be more of them than this
     min_m2 : float             least region, as `chunked`
+    largest_m2 : float         larger regions are cut into shares of about this size: what a short flight can sweep
 
     Notes
     -----
-    The size was tuned on environments 41 to 43 of [Kuhlman2017]'s kinds. Much of what tiles gain there, on even ground
-    too, is that a cell counts as looked at once in each action, and tiles make more actions of the same flight;
-    `benchmarks/regions` says how much.
+    Tuned on environments 41 and 42 of [Kuhlman2017]'s kinds. Smaller regions lose more to turns than they gain by
+    being apart, but for a judge that counts looks by actions (`benchmarks/regions`).
 
     Examples
     --------
     >>> grid = Grid((30, 60), cell_m=2.0)
-    >>> regions_for(grid, np.repeat([[0.1, 0.4]], 30, axis=0).repeat(30, axis=1), tile_m=60.0).n_regions
+    >>> regions_for(grid, np.repeat([[0.1, 0.4]], 30, axis=0).repeat(30, axis=1), chunk_m=80.0).n_regions
     2
     """
-    side_m = max(tile_m, float(grid.cell_m * np.sqrt(grid.passable.sum() / most)))
     cut = boustrophedon(grid) if base is None else base
-    return chunked(grid, cut, side_m, gain_classes(grid, first_look), min_m2, side_m)
+    classes = gain_classes(grid, first_look)
+    least_m = grid.cell_m * float(np.sqrt(grid.passable.sum() / most))
+    if classes.any():
+        wide_m = max(chunk_m, least_m)
+        return chunked(grid, cut, wide_m, classes, min_m2, max(largest_m2 / wide_m, least_m))
+    if cut.sizes.max() * grid.cell_m**2 <= largest_m2:
+        return cut
+    side_m = max(float(np.sqrt(largest_m2)), least_m)
+    return chunked(grid, cut, side_m, None, min_m2, side_m)
 
 
 def gain_classes(

@@ -27,7 +27,9 @@ __all__ = ["OverRegions"]
 
 # In radii of the sensor: what the paper's counts of regions ask for at its 8.8 m, 75 cells of 2.2 m and 3 columns.
 MIN_AREA, MIN_WIDTH = 75 * 2.2**2 / 8.8**2, 3 * 2.2 / 8.8
-TILE, MIN_TILE = 22.0 / 8.8, 100.0 / 8.8**2  # tuned at the same radius, see `regions_for`
+CHUNK, MIN_CHUNK = 52.8 / 8.8, 363.0 / 8.8**2  # tuned at the same radius, see `regions_for`
+LARGEST = 0.25  # of the ground that the shortest flight can sweep: larger regions are hardly ever worth all their time
+HASTE, APART = 0.75, 1.75  # where less than such a share of the ground can be swept, lines lie so many radii apart
 SMALL_PART = 0.005  # of free ground, cut off: not worth a note
 
 
@@ -44,8 +46,8 @@ class OverRegions:
         self._check_keys()
         seen = _Reach.of(faults, settings)
         self.reaches = [seen.ahead(settings.sensor.range_m, each.accel_mps2) for each in settings.searcher]
-        self.sweeps = self._sweeps()
         self.free = self._free()
+        self.sweeps = self._sweeps()
         for reach, said in zip(self.reaches, settings.searcher, strict=True):
             if reach.speed_mps < (said.speed_mps or 0.0):
                 note = f"{reach.why} allows {reach.speed_mps:.3g} m/s; nothing flies faster"
@@ -63,8 +65,8 @@ class OverRegions:
             )
         if self.layers.cell_m is None and self.layers.shape is not None:
             add("area.cell_m", "nothing came", "expected metres: over regions flights are timed")
-        if settings.regions is not None and settings.regions.tile_m is not None and settings.regions.cut == "plain":
-            add("regions.tile_m", f"{settings.regions.tile_m:g} m came", 'expected cut = "aware", which has tiles')
+        if settings.regions is not None and settings.regions.chunk_m is not None and settings.regions.cut == "plain":
+            add("regions.chunk_m", f"{settings.regions.chunk_m:g} m came", 'expected cut = "aware", which has chunks')
         for number, searcher in enumerate(settings.searcher):
             for key, unit in (("speed_mps", "metres a second"), ("accel_mps2", "metres a second squared")):
                 if getattr(searcher, key) is None:
@@ -80,15 +82,11 @@ class OverRegions:
             key = "sensor.radius_m" if self.settings.sensor.camera is None else "sensor.camera"
             came = f"{radius_m:.3g} m came, and cells of {cell_m:g} m"
             self.faults.add(key, came, f"expected at least half a cell, {cell_m / 2:g} m: looks must cover the path")
-        spacing_m = radius_m if cutting.spacing_m is None else cutting.spacing_m
-        if spacing_m > 2 * radius_m:
-            came = f"{spacing_m:g} m came, and looks reach {radius_m:.3g} m"
-            expected = f"expected at most twice as much, {2 * radius_m:.3g} m: the ground between lines must be seen"
-            self.faults.add("regions.spacing_m", came, expected)
         found = [each.dynamics(said) for each, said in zip(self.reaches, self.settings.searcher, strict=True)]
         flown = [dynamics for dynamics in found if dynamics is not None]
         if len(flown) < len(found):
             return None
+        spacing_m = self._spacing_m(radius_m, flown)
         return [
             Sweep(
                 dynamics,
@@ -100,6 +98,28 @@ class OverRegions:
             )
             for dynamics in flown
         ]
+
+    def _spacing_m(self, radius_m: float, flown: list[Dynamics]) -> float:
+        """Between plow lines: what the file says; else the radius, more where time is short."""
+        said = self.settings.regions.spacing_m if self.settings.regions else None
+        if said is not None:
+            if said > 2 * radius_m:
+                came = f"{said:g} m came, and looks reach {radius_m:.3g} m"
+                expected = (
+                    f"expected at most twice as much, {2 * radius_m:.3g} m: the ground between lines must be seen"
+                )
+                self.faults.add("regions.spacing_m", came, expected)
+            return said
+        area_m2 = 0.0 if self.free is None else float(self.free.sum()) * (self.layers.cell_m or 0.0) ** 2
+        if self._swept_m2(radius_m, flown).sum() >= HASTE * area_m2:
+            return radius_m
+        self.notes += (f"time is short for so much ground: lines are flown {APART * radius_m:.3g} m apart",)
+        return APART * radius_m
+
+    def _swept_m2(self, spacing_m: float, flown: list[Dynamics]) -> NDArray[np.float64]:
+        """About how much ground each drone can sweep in the time."""
+        speeds = np.array([dynamics.v_max for dynamics in flown])
+        return speeds * spacing_m * (self.settings.budget.seconds or 0.0)
 
     def _free(self) -> NDArray[np.bool_] | None:
         """(H, W) bool: free ground that can be reached from some start."""
@@ -133,7 +153,7 @@ class OverRegions:
         grid = Grid(self.free.shape, "square8", self.layers.cell_m, None if self.free.all() else ~self.free)
         starts, ends = zip(*self.places, strict=True)
         try:
-            regions = self._regions(grid, sight, self.sweeps[0].radius_m)
+            regions = self._regions(grid, sight, self.sweeps)
             posed = region_problem(grid, regions, self.sweeps, sight.rows, starts, seconds, ends, sight.objective)
         except InfeasibleProblemError as error:
             self.faults.add("budget.seconds", re.sub(r"^searcher \d+: ", "", str(error)), "expected more time")
@@ -143,14 +163,17 @@ class OverRegions:
         self._check_time(posed)
         return posed
 
-    def _regions(self, grid: Grid, sight: Sight, radius_m: float) -> Regions:
+    def _regions(self, grid: Grid, sight: Sight, sweeps: list[Sweep]) -> Regions:
         """The ground, cut as the file says."""
-        cutting = self.settings.regions or Cutting()
+        cutting, radius_m = self.settings.regions or Cutting(), sweeps[0].radius_m
         plain = boustrophedon(grid, **self._thresholds(grid, radius_m))
         if cutting.cut == "plain":
             return plain
-        tile_m = TILE * radius_m if cutting.tile_m is None else cutting.tile_m
-        return regions_for(grid, sight.first_look, plain, tile_m, min_m2=MIN_TILE * radius_m**2)
+        chunk_m = CHUNK * radius_m if cutting.chunk_m is None else cutting.chunk_m
+        shortest_m2 = self._swept_m2(sweeps[0].spacing_m, [sweep.dynamics for sweep in sweeps]).min()
+        least_m2 = MIN_CHUNK * radius_m**2
+        largest_m2 = max(LARGEST * float(shortest_m2), 2 * least_m2)
+        return regions_for(grid, sight.first_look, plain, chunk_m, min_m2=least_m2, largest_m2=largest_m2)
 
     def _thresholds(self, grid: Grid, radius_m: float) -> dict[str, float]:
         """Least sizes of regions in cells, whatever the size of the map."""

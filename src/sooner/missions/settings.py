@@ -201,7 +201,8 @@ class Cutting(_Table):
         description="of cut `aware`: widest region there, wider where there were too many. Left out: 6 radius",
     )
     spacing_m: Positive | None = Field(
-        default=None, description="between plow lines, at most twice the radius; left out: the radius"
+        default=None,
+        description="between plow lines, at most 2 radius. Left out: the radius; 1.75 radius where time is short",
     )
     min_area_m2: NotNegative | None = Field(
         default=None,
