@@ -155,7 +155,7 @@ class Track:
         )
 
     def see(self, cells: ArrayLike, ratios: ArrayLike) -> None:
-        """Looks at cells: Lambda(s) = L(z | s) / L(z | phi) Lambda-(s), for what is seen there and what is not [eq. (14)].
+        """Looks at cells: Lambda(s) = L(z | s) / L(z | phi) Lambda-(s), whether a target showed or not [eq. (14)].
 
         cells : (L,) int      a cell may come more than once; cells without an explored node teach nothing here
         ratios : (L,) float   of likelihoods, each at least 0
