@@ -3,7 +3,8 @@
 from sooner.simulation.agents import Agent, Team, flight
 from sooner.simulation.episode import Beliefs, Call, Episode, Looks
 from sooner.simulation.estimation import Estimator
-from sooner.simulation.loop import Keep, Scene, simulate
+from sooner.simulation.loop import Keep, simulate
+from sooner.simulation.scene import Scene
 from sooner.simulation.sensing import HALF_CELL, Sensing
 from sooner.simulation.world import World
 

@@ -9,7 +9,8 @@ from math import nan
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.grid import Grid
+from sooner.simulation.scene import Scene
+from sooner.simulation.strategies.strategy import Strategy
 
 __all__ = ["Beliefs", "Call", "Episode", "Looks"]
 
@@ -68,41 +69,39 @@ class Episode:
 
     Parameters
     ----------
-    name : str                              what flew
-    seed, seconds, replan_s : int
-    grid : Grid
-    nodes : (N,) int64                      cells that hold a node
-    node_places_m : (N, 2) float
-    edges : (E, 2) int64                    between nodes
+    scene : Scene                           with the graph (N nodes, M cells), agents (A) and seconds (T)
+    strategy : Strategy or None             what flew; None where a file names one that is not ours
+    seed : int
     targets : (T + 1, Q) int64              the node where each target was at each second
     places_m : (T + 1, A, 2) float          where each agent was
-    radius_m : (A,) float
-    known_map : bool                        whether all nodes were known from the start
     node_seconds : (M,) int64               when a node was detected in each cell, rightly or not; -1 never
-    sums : (T,) float                       the detector's sum after the looks of each second
+    sums : (T,) float                       what the detector held against its threshold after the looks of each second
     calls : tuple of Call
     plans : tuple of tuples of (k, 2)       routes at each replan, by agent
     looks, beliefs                          kept if asked for
     """
 
-    name: str
+    scene: Scene
+    strategy: Strategy | None
     seed: int
-    seconds: int
-    replan_s: int
-    grid: Grid
-    nodes: NDArray[np.int64]
-    node_places_m: NDArray[np.float64]
-    edges: NDArray[np.int64]
     targets: NDArray[np.int64]
     places_m: NDArray[np.float64]
-    radius_m: NDArray[np.float64]
-    known_map: bool
     node_seconds: NDArray[np.int64]
     sums: NDArray[np.float64]
     calls: tuple[Call, ...]
     plans: tuple[tuple[NDArray[np.float64], ...], ...] = field(default=(), repr=False)
     looks: Looks | None = field(default=None, repr=False)
     beliefs: Beliefs | None = field(default=None, repr=False)
+
+    @property
+    def seconds(self) -> int:
+        """How long the mission lasts, T."""
+        return self.scene.seconds
+
+    @property
+    def nodes(self) -> NDArray[np.int64]:
+        """(N,) int64: cells that hold a node."""
+        return self.scene.world.graph.cells
 
     @property
     def n_targets(self) -> int:
@@ -112,8 +111,7 @@ class Episode:
     @cached_property
     def found_nodes(self) -> NDArray[np.int64]:
         """(N,) int64: the second in which each true node was detected, -1 never."""
-        seconds: NDArray[np.int64] = np.zeros_like(self.nodes) if self.known_map else self.node_seconds[self.nodes]
-        return seconds
+        return self.node_seconds[self.nodes]
 
     @property
     def false_nodes(self) -> int:

@@ -3,90 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sooner.errors import InvalidProblemError
-from sooner.grid import Grid
-from sooner.simulation.agents import STEP_S, Agent, Team
+from sooner.simulation.agents import STEP_S
 from sooner.simulation.episode import Beliefs, Call, Episode, Looks
-from sooner.simulation.estimation import Estimator, TeamBelief
-from sooner.simulation.ground import area, perimeter_places
-from sooner.simulation.sensing import LookLog, Sensing
+from sooner.simulation.estimation import TeamBelief
+from sooner.simulation.scene import Scene
+from sooner.simulation.sensing import LookLog
 from sooner.simulation.strategies.strategy import Routes, Situation, Strategy
-from sooner.simulation.world import Purpose, Truth, World, generator, noise_seed
+from sooner.simulation.world import Purpose, Truth, generator, noise_seed
 
-__all__ = ["Keep", "Scene", "simulate"]
-
-MOST_SECONDS = 100_000
-
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """What is searched, by whom, with which eyes and for how long: all of a search but its strategy and its seed.
-
-    Parameters
-    ----------
-    world : World
-    agents : tuple of Agent
-    estimator : Estimator
-    seconds : int                      how long the mission lasts; all look once a second
-    replan_s : int                     seconds from one plan to the next
-    target_offset : (float, float)     see `Sensing`; `HALF_CELL` is the named one
-    starts_m : (A, 2) float or None    where agents start, instead of where the strategy has them start
-
-    Raises
-    ------
-    InvalidProblemError                no seconds, a replan later than the end, agents that start outside the ground
-    """
-
-    world: World
-    agents: tuple[Agent, ...] = (Agent(),) * 4
-    estimator: Estimator = Estimator()
-    seconds: int = 240
-    replan_s: int = 5
-    target_offset: tuple[float, float] = (0.0, 0.0)
-    starts_m: NDArray[np.float64] | None = None
-
-    def __post_init__(self) -> None:
-        if not 1 <= self.seconds <= MOST_SECONDS:
-            raise InvalidProblemError(f"a mission of {self.seconds} s came; expected 1 to {MOST_SECONDS} s")
-        if not 1 <= self.replan_s <= self.seconds:
-            raise InvalidProblemError(
-                f"a replan every {self.replan_s} s came; expected 1 s to the mission's {self.seconds} s"
-            )
-        _ = self.team, self.sensing, area(self.grid)
-        if self.starts_m is not None:
-            object.__setattr__(self, "starts_m", _checked_starts(self.grid, self.starts_m, len(self.agents)))
-
-    @property
-    def grid(self) -> Grid:
-        """The cells."""
-        return self.world.graph.grid
-
-    @cached_property
-    def team(self) -> Team:
-        """The agents as arrays."""
-        return Team(self.agents)
-
-    @cached_property
-    def sensing(self) -> Sensing:
-        """What agents read."""
-        return Sensing(self.grid, self.agents, self.target_offset)
-
-    @cached_property
-    def target_cells(self) -> NDArray[np.int64]:
-        """(N,) int64: the cell where the target sensor has a signal, for a target at each node."""
-        return self.sensing.cells_of(self.world.graph.positions_m)
-
-    def starts(self, strategy: Strategy, seed: int) -> NDArray[np.float64]:
-        """(A, 2) float: where agents start."""
-        if self.starts_m is not None:
-            return self.starts_m.copy()
-        drawn = perimeter_places(self.grid, len(self.agents), generator(seed, Purpose.STARTS))
-        return _checked_starts(self.grid, strategy.starts(self.grid, self.agents, drawn), len(self.agents))
+__all__ = ["Keep", "simulate"]
 
 
 @dataclass(frozen=True)
@@ -106,6 +36,8 @@ def simulate(scene: Scene, strategy: Strategy, seed: int, keep: Keep = Keep()) -
 
     Examples
     --------
+    >>> from sooner.grid import Grid
+    >>> from sooner.simulation import World
     >>> from sooner.simulation.strategies import Lawnmower
     >>> from sooner.streets import OccupancyGraph
     >>> street = [(row, 10) for row in range(20)]
@@ -214,20 +146,12 @@ class _Flight:
             self.snapshots.append((second, states.void.copy(), states.occupied.copy(), states.explored.copy()))
 
     def _episode(self) -> Episode:
-        scene, graph = self.scene, self.scene.world.graph
         return Episode(
-            name=type(self.strategy).__name__,
+            scene=self.scene,
+            strategy=self.strategy,
             seed=self.seed,
-            seconds=scene.seconds,
-            replan_s=scene.replan_s,
-            grid=scene.grid,
-            nodes=graph.cells,
-            node_places_m=graph.positions_m,
-            edges=graph.edges,
-            targets=scene.world.states.current[self.truth.path],
+            targets=self.scene.world.states.current[self.truth.path],
             places_m=self.track,
-            radius_m=scene.sensing.radius_m,
-            known_map=scene.estimator.prior == "known",
             node_seconds=self.belief.node_seconds,
             sums=np.array(self.sums),
             calls=tuple(self.calls),
@@ -281,18 +205,3 @@ class _PackedRoutes:
             self.waypoints[agent, : len(route)] = route
         if not np.isfinite(self.waypoints).all():
             raise InvalidProblemError("a waypoint that is not a number came; expected metres east and north")
-
-
-def _checked_starts(grid: Grid, starts: NDArray[np.float64], n_agents: int) -> NDArray[np.float64]:
-    places = np.array(starts, float)
-    if places.shape != (n_agents, 2):
-        raise InvalidProblemError(f"starts of shape {places.shape} came for {n_agents} agents; expected (A, 2)")
-    low, high = area(grid)
-    outside = ~((places >= low - 1e-6) & (places <= high + 1e-6)).all(axis=1)
-    if outside.any():
-        east, north = places[np.flatnonzero(outside)[0]]
-        raise InvalidProblemError(
-            f"an agent that starts {east:g} m east, {north:g} m north came; the ground is {low[0]:g} to {high[0]:g} m "
-            f"east and {low[1]:g} to {high[1]:g} m north of the south-west cell's centre"
-        )
-    return places
