@@ -10,7 +10,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from study import KINDS, PRESET_A, PRIORS, plain, tiles
+from study import KINDS, PRESET_A, PRIORS, aware, plain
 
 from sooner.belief import EvidenceGrid
 from sooner.decomposition import boustrophedon
@@ -35,7 +35,8 @@ def posed(kind: str, prior: str, number: int, cut: object) -> SearchProblem:
     gains = information_gains(EvidenceGrid(ground.theta), BinarySensor(0.85, 0.15))
     base, places = boustrophedon(ground.grid), starts(ground, 1, 1)
     budget_s = two_searches_s(region_problem(ground.grid, base, PRESET_A, gains, places, 1e9))
-    return region_problem(ground.grid, cut(ground.grid, base, gains.first), PRESET_A, gains, places, budget_s)
+    sweep = replace(PRESET_A, looks="passes")
+    return region_problem(ground.grid, cut(ground.grid, base, gains.first), sweep, gains, places, budget_s)
 
 
 def teleporting(problem: SearchProblem, total: float) -> float:
@@ -65,7 +66,7 @@ def main() -> None:
     print("|---|---|---|---|---|---|---|---|---|")
     for prior in PRIORS:
         for kind in KINDS:
-            for cut in (plain, tiles):
+            for cut in (plain, aware) if prior == "nonuniform" else (plain,):
                 rows = [measured(posed(kind, prior, n, cut), given.seconds) for n in range(first, last + 1)]
                 early, later, most, kept, took = np.mean(rows, axis=0)
                 numbers = f"{early:.3f} | {later:.3f} | {most:.3f} | {kept:.2f} | {took:.1f}"

@@ -1,7 +1,8 @@
 """Decompositions compared in pairs: the same ground, start, mission time and planner; rows go to a CSV as they come.
 
-python benchmarks/regions/study.py --environments 1-20 --seconds 2      # goes on where it stopped
-python benchmarks/regions/study.py --table                              # the table of the README
+python benchmarks/regions/study.py --environments 1-20                  # looks by passes; goes on where it stopped
+python benchmarks/regions/study.py --environments 1-20 --looks actions  # as the paper counts them
+python benchmarks/regions/study.py --table                              # the tables of the README
 """
 
 from __future__ import annotations
@@ -9,6 +10,8 @@ from __future__ import annotations
 import argparse
 import csv
 import time
+from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -32,62 +35,75 @@ from sooner.sensors import BinarySensor
 HERE = Path(__file__).parent
 KINDS = "low", "med", "high", "vhf"
 PRIORS = "nonuniform", "uniform"
-COLUMNS = (
-    "kind", "prior", "environment", "cut", "seconds", "regions", "actions", "atoms", "build_s", "bits", "early_share"
-)  # fmt: skip
+KEYS = "looks", "share", "kind", "prior", "environment", "cut", "seconds"
+COLUMNS = (*KEYS, "regions", "actions", "atoms", "build_s", "bits", "early_share", "freely_percent")
 
 
 def plain(grid: Grid, base: Regions, first: np.ndarray) -> Regions:
     return base
 
 
-def bands(grid: Grid, base: Regions, first: np.ndarray) -> Regions:
-    return chunked(grid, base, 35.2, gain_classes(grid, first), min_m2=363.0)
+def aware(grid: Grid, base: Regions, first: np.ndarray) -> Regions:
+    return regions_for(grid, first, base)
 
 
 def tiles(grid: Grid, base: Regions, first: np.ndarray) -> Regions:
-    return regions_for(grid, first, base)
+    return chunked(grid, base, 22.0, gain_classes(grid, first), min_m2=100.0, tall_m=22.0)
 
 
 def cells_of_voronoi(grid: Grid, base: Regions, first: np.ndarray) -> Regions:
     return voronoi(grid, first, 450.0, min_m2=150.0)
 
 
-CUTS = {"plain": plain, "bands": bands, "tiles": tiles, "voronoi": cells_of_voronoi}
+def large_cells_of_voronoi(grid: Grid, base: Regions, first: np.ndarray) -> Regions:
+    return voronoi(grid, first, 1800.0, min_m2=300.0)
 
 
-def flown(ground: NaturalEnvironment, cut: str, budget_s: float | None, seconds: float) -> dict[str, float]:
-    """One decomposition of one ground, planned and judged; without a budget, only what two searches of it take."""
+CUTS = {
+    "plain": plain, "aware": aware, "tiles": tiles, "voronoi": cells_of_voronoi, "large voronoi": large_cells_of_voronoi
+}  # fmt: skip
+ASKED = {  # by how looks are counted: shares of the mission time, priors and cuts
+    "passes": ((1.0, 0.5, 0.25), ("nonuniform",), ("plain", "aware", "tiles", "large voronoi")),
+    "actions": ((1.0,), PRIORS, ("plain", "aware", "tiles", "voronoi")),
+}
+SHORT = 0.3  # shares of the mission time that do not do for one sweep: lines lie further apart, as in missions
+
+
+def flown(ground: NaturalEnvironment, cut: str, looks: str, share: float, seconds: float) -> dict[str, float]:
+    """One decomposition of one ground, planned and judged; the mission time is that of the plain one, or less."""
     gains = information_gains(EvidenceGrid(ground.theta), BinarySensor(0.85, 0.15))
+    base, places = boustrophedon(ground.grid), starts(ground, 1, 1)
+    time_s = share * two_searches_s(region_problem(ground.grid, base, PRESET_A, gains, places, 1e9))
+    spacing_m = PRESET_A.radius_m * (1.75 if share < SHORT else 1.0)
+    sweep = replace(PRESET_A, looks=looks, spacing_m=spacing_m)
     began = time.process_time()
-    regions = CUTS[cut](ground.grid, boustrophedon(ground.grid), gains.first)
-    problem = region_problem(ground.grid, regions, PRESET_A, gains, starts(ground, 1, 1), budget_s or 1e9)
+    regions = CUTS[cut](ground.grid, base, gains.first)
+    problem = region_problem(ground.grid, regions, sweep, gains, places, time_s)
     built = time.process_time() - began
-    if budget_s is None:
-        return {"budget_s": two_searches_s(problem)}
-    found = evaluate(problem, solve(problem, RegionAnneal(), cpu_seconds(seconds)).best.plan)
-    actions = regions.n_regions + len(regions.adjacency)
+    plan = solve(problem, RegionAnneal(), cpu_seconds(seconds)).best.plan
+    found = evaluate(problem, plan)
+    looked = int(problem.searcher.moves.cell_looks(problem.grid, plan.actions[0]).sum())
+    freely = np.sort(gains.table[problem.grid.passable].ravel())[::-1][:looked].sum()
     return {
-        "regions": regions.n_regions, "actions": actions, "atoms": problem.gains.n_cells, "build_s": round(built, 3),
-        "bits": round(found.total, 2), "early_share": round(found.early_share, 4),
+        "regions": regions.n_regions, "actions": regions.n_regions + len(regions.adjacency),
+        "atoms": problem.gains.n_cells, "build_s": round(built, 3), "bits": round(found.total, 2),
+        "early_share": round(found.early_share, 4), "freely_percent": round(100 * (freely / found.total - 1), 2),
     }  # fmt: skip
 
 
-def run(environments: range, seconds: float, path: Path) -> None:
+def run(environments: range, looks: str, seconds: float, path: Path) -> None:
     """All rows that the CSV has not yet."""
-    done = {tuple(row[key] for key in COLUMNS[:5]) for row in read(path)}
+    done = {tuple(row[key] for key in KEYS) for row in read(path)}
+    shares, priors, cuts = ASKED[looks]
     for number in environments:
-        for prior in PRIORS:
+        for prior in priors:
             for kind in KINDS:
-                keys = [(kind, prior, str(number), cut, str(seconds)) for cut in CUTS]
-                if done.issuperset(keys):
-                    continue
                 ground = natural_environment(kind, number, nonuniform=prior == "nonuniform")
-                budget_s = flown(ground, "plain", None, seconds)["budget_s"]
-                for key in keys:
-                    if key not in done:
-                        row = dict(zip(COLUMNS[:5], key, strict=True)) | flown(ground, key[3], budget_s, seconds)
-                        write(path, row)
+                for share in shares:
+                    for cut in cuts:
+                        key = (looks, str(share), kind, prior, str(number), cut, str(seconds))
+                        if key not in done:
+                            write(path, dict(zip(KEYS, key, strict=True)) | flown(ground, cut, looks, share, seconds))
 
 
 def read(path: Path) -> list[dict[str, str]]:
@@ -106,43 +122,44 @@ def write(path: Path, row: dict[str, object]) -> None:
         writer.writerow(row)
 
 
-def table(path: Path) -> str:
+def table(path: Path, looks: str) -> str:
     """Bits against plain in pairs, %, with their 95 % intervals, and medians of the rest."""
-    rows = read(path)
-    value = {(row["kind"], row["prior"], row["cut"], row["environment"]): row for row in rows}
+    rows = [row for row in read(path) if row["looks"] == looks]
+    value = {tuple(row[key] for key in ("share", "prior", "kind", "cut", "environment")): row for row in rows}
     lines = [
-        "| class | prior | cut | n | bits against plain, % | early share | regions | actions | atoms | build, s |",
+        "| time | prior | class | cut | n | bits against plain, % | freely, % | early share | regions | atoms |",
         "|---|---|---|---|---|---|---|---|---|---|",
     ]
-    for prior in PRIORS:
-        for kind in KINDS:
-            for cut in CUTS:
-                own = {e: row for (k, p, c, e), row in value.items() if (k, p, c) == (kind, prior, cut)}
-                base = {e: value.get((kind, prior, "plain", e)) for e in own}
-                pairs = [(float(own[e]["bits"]), float(b["bits"])) for e, b in base.items() if b]
-                if not pairs:
-                    continue
-                gained = estimate([100.0 * (ours / theirs - 1.0) for ours, theirs in pairs])
-                cells = [f"{np.median([float(row[c]) for row in own.values()]):.4g}" for c in COLUMNS[5:9]]
-                early = np.mean([float(row["early_share"]) for row in own.values()])
-                lines.append(
-                    f"| {kind} | {prior} | {cut} | {len(pairs)} | "
-                    f"{gained.value:+.1f} [{gained.low:+.1f}, {gained.high:+.1f}] | {early:.3f} | {' | '.join(cells)} |"
-                )
+    shares, priors, cuts = ASKED[looks]
+    for share, prior, kind, cut in product(map(str, shares), priors, KINDS, cuts):
+        own = {key[4]: row for key, row in value.items() if key[:4] == (share, prior, kind, cut)}
+        base = {e: value.get((share, prior, kind, "plain", e)) for e in own}
+        pairs = [(float(own[e]["bits"]), float(b["bits"])) for e, b in base.items() if b]
+        if not pairs:
+            continue
+        gained = estimate([100.0 * (ours / theirs - 1.0) for ours, theirs in pairs])
+        middle = {name: np.median([float(row[name]) for row in own.values()]) for name in COLUMNS[7:]}
+        lines.append(
+            f"| {share} | {prior} | {kind} | {cut} | {len(pairs)} | "
+            f"{gained.value:+.1f} [{gained.low:+.1f}, {gained.high:+.1f}] | {middle['freely_percent']:+.1f} | "
+            f"{middle['early_share']:.3f} | {middle['regions']:.0f} | {middle['atoms']:.0f} |"
+        )
     return "\n".join(lines)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--environments", default="1-20", help="first-last")
-    parser.add_argument("--seconds", type=float, default=2.0, help="of processor time for each plan")
+    parser.add_argument("--looks", choices=list(ASKED), default="passes")
+    parser.add_argument("--seconds", type=float, default=1.0, help="of processor time for each plan")
     parser.add_argument("--out", type=Path, default=HERE / "regions.csv")
-    parser.add_argument("--table", action="store_true", help="print the table of what is there")
+    parser.add_argument("--table", action="store_true", help="print the tables of what is there")
     given = parser.parse_args()
     if not given.table:
         first, last = map(int, given.environments.split("-"))
-        run(range(first, last + 1), given.seconds, given.out)
-    print(table(given.out))
+        run(range(first, last + 1), given.looks, given.seconds, given.out)
+    for looks in ASKED if given.table else [given.looks]:
+        print(table(given.out, looks), end="\n\n")
 
 
 if __name__ == "__main__":
