@@ -65,10 +65,12 @@ def voronoi(
 
 def _settled(grid: Grid, density: NDArray[np.float64], size: float, rounds: int) -> NDArray[np.int32]:
     """(N,) int32: the seed of each cell."""
+    from sooner.decomposition._voronoi_kernels import middles
+
     seeds = _seeds(grid, density, max(round(int(grid.passable.sum()) / size), 1))
     owner = geodesic(grid, seeds)[0]
     for _ in range(rounds):
-        moved = _middles(grid, owner, density, len(seeds))
+        moved = middles(owner, grid.shape[1], density, len(seeds))
         if np.array_equal(moved, seeds):
             break
         seeds = moved
@@ -78,32 +80,20 @@ def _settled(grid: Grid, density: NDArray[np.float64], size: float, rounds: int)
 
 def _seeds(grid: Grid, density: NDArray[np.float64], count: int) -> NDArray[np.int64]:
     """At least so many cells far from one another, and one at least in each part of the ground."""
-    free = np.flatnonzero(grid.passable)
-    seeds = [int(free[0])]
-    apart = geodesic(grid, seeds)[1][free]
-    seeds, apart = [int(free[np.argmax(np.where(np.isinf(apart), 0.0, apart))])], np.full(len(free), np.inf)
+    from sooner.decomposition._voronoi_kernels import approach, farthest
+
+    first = int(np.argmax(grid.passable))
+    apart = geodesic(grid, [first])[1]
+    seeds = [int(np.argmax(np.where(np.isinf(apart), -1.0, apart)))]
+    apart = np.full(grid.n_cells, np.inf)
+    steps, waiting = np.full((3, grid.n_cells), -1, np.int32), np.empty((3, grid.n_cells), np.int32)
+    touched = np.empty(grid.n_cells, np.int32)
     while True:
-        np.minimum(apart, geodesic(grid, seeds[-1:])[1][free], out=apart)
-        if len(seeds) >= count and np.isfinite(apart).all():
+        approach(grid.passable, grid.shape[1], seeds[-1], apart, *steps, waiting, touched)
+        far = int(farthest(grid.passable, apart, density))
+        if (len(seeds) >= count and np.isfinite(apart[far])) or apart[far] == 0.0:
             return np.array(seeds)
-        far = int(np.argmax(np.where(np.isinf(apart), np.inf, apart**2 * density[free])))
-        if apart[far] == 0.0:
-            return np.array(seeds)
-        seeds.append(int(free[far]))
-
-
-def _middles(grid: Grid, owner: NDArray[np.int32], density: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-    """Of each seed's cells the one nearest to their weighted mean."""
-    cells = np.flatnonzero(owner >= 0)
-    own, weight = owner[cells], density[cells]
-    rows, cols = np.divmod(cells, grid.shape[1])
-    mass = np.bincount(own, weight, count)
-    row, col = np.bincount(own, weight * rows, count) / mass, np.bincount(own, weight * cols, count) / mass
-    apart = np.round((rows - row[own]) ** 2 + (cols - col[own]) ** 2, 9)
-    order = np.lexsort((cells, apart, own))
-    first = np.append(True, own[order][1:] != own[order][:-1])
-    found: NDArray[np.int64] = cells[order[first]]
-    return found
+        seeds.append(far)
 
 
 def _checked(grid: Grid, weights: ArrayLike, size_m2: float, min_m2: float) -> NDArray[np.float64]:
