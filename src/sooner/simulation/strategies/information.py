@@ -1,0 +1,183 @@
+"""The strategy of [Wolek2020]: fly where a look teaches most, by tasks that the team shares out step by step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from sooner.belief.state_information import InformationTable
+from sooner.errors import InvalidProblemError
+from sooner.grid import Grid
+from sooner.sensors.graded import GradedSensor
+from sooner.simulation.agents import Agent, Team
+from sooner.simulation.ground import area
+from sooner.simulation.strategies.strategy import Routes, Situation
+
+__all__ = ["SWEPT_INFORMATION", "Information", "InformationSession"]
+
+ROLLOUT_STEP_S = 0.1  # of Euler's rule in rollouts, which tell flights apart; five times as long as in flight
+
+
+@dataclass(frozen=True)
+class Information:
+    """Waypoints at the centres of mass of Voronoi cells under information, assigned to agents step by step.
+
+    At every replan: information of each cell (eq. 18); Lloyd's algorithm with information as density makes n_t tasks;
+    n_w - 1 times, agents share the tasks by the Hungarian method, for a utility (eq. 19) of each of an agent's n_b
+    nearest, and information in view along the chosen flights is removed   [Wolek2020, sections III.D and III.E].
+
+    R(i, j) = I_max(w_i, w_j) / T(w_i, w_j)
+
+    Parameters
+    ----------
+    tasks : int            n_t
+    waypoints : int        n_w, with the agent's own place as the first
+    neighbours : int       n_b
+    utility : str          "maximum", the paper's I_max: the most information of a single cell that comes in view on the
+                           way; or "swept": that of all cells that come in view, each once. Both over the time T
+    capture : float        share of the radius within which a waypoint is reached in flight
+    arrive : float         the same in rollouts, which tell T
+    floor : float          added to the density in bits, so that known ground has its tasks as well
+    gain : float           share of the way to its centre of mass that a task's site moves in a round of Lloyd
+    rounds : int           of Lloyd, at most
+    near_m : float         Lloyd stops when sites are this near to their centres of mass, on average
+
+    Raises
+    ------
+    InvalidProblemError    if a number makes no sense
+
+    Notes
+    -----
+    The paper says neither how Lloyd's algorithm runs nor when a waypoint counts as reached; these values come near its
+    figures. The task of the Voronoi cell in which an agent stands is no candidate of its first step.
+
+    Examples
+    --------
+    >>> Information().utility, SWEPT_INFORMATION.utility
+    ('maximum', 'swept')
+    """
+
+    tasks: int = 100
+    waypoints: int = 4
+    neighbours: int = 15
+    utility: Literal["maximum", "swept"] = "maximum"
+    capture: float = 2.0 / 3.0
+    arrive: float = 0.1
+    floor: float = 0.001
+    gain: float = 0.2
+    rounds: int = 100
+    near_m: float = 0.1
+
+    def __post_init__(self) -> None:
+        if self.tasks < 1 or self.waypoints < 2 or self.neighbours < 1 or self.rounds < 1:
+            raise InvalidProblemError(
+                f"{self.tasks} tasks, {self.waypoints} waypoints, {self.neighbours} neighbours, {self.rounds} rounds "
+                "came; expected at least 1, 2, 1 and 1"
+            )
+        if self.utility not in ("maximum", "swept"):
+            raise InvalidProblemError(f"utility {self.utility!r} came; expected 'maximum' or 'swept'")
+        for name in ("capture", "arrive", "floor", "gain", "near_m"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0.0):
+                raise InvalidProblemError(f"{name} = {value} came; expected a positive number")
+        if self.gain > 1.0:
+            raise InvalidProblemError(f"a gain of {self.gain} came; expected at most 1")
+
+    def starts(self, grid: Grid, agents: tuple[Agent, ...], drawn: NDArray[np.float64]) -> NDArray[np.float64]:
+        """On the perimeter, as drawn."""
+        return drawn
+
+    def session(self, situation: Situation, rng: Generator) -> InformationSession:
+        """Begin a search: sites lie anywhere.
+
+        Raises
+        ------
+        InvalidProblemError    if there are fewer tasks than waypoints of all agents together, or cells are hexagons
+        """
+        wanted = (self.waypoints - 1) * len(situation.agents)
+        if self.tasks < wanted + len(situation.agents):
+            raise InvalidProblemError(
+                f"{self.tasks} tasks came for {len(situation.agents)} agents with {self.waypoints - 1} new waypoints "
+                f"each; expected at least {wanted + len(situation.agents)}"
+            )
+        if situation.grid.connectivity == "hex":
+            raise InvalidProblemError("hexagonal cells came; expected square ones")
+        low, high = area(situation.grid)
+        return InformationSession(self, low + rng.random((self.tasks, 2)) * (high - low))
+
+
+SWEPT_INFORMATION = Information(utility="swept")
+"""The same with the information of all cells that come in view on the way, instead of that of the best."""
+
+
+@dataclass(eq=False)
+class InformationSession:
+    """Shares out tasks; it remembers where their sites were.
+
+    sites : (n_t, 2) float       the generators of the Voronoi cells, metres
+    middles : (n_t, 2) float     their cells' centres of mass at the last replan: the tasks
+    rounds : int                 of Lloyd at the last replan
+    """
+
+    strategy: Information
+    sites: NDArray[np.float64]
+    middles: NDArray[np.float64] = field(init=False)
+    rounds: int = 0
+
+    def __post_init__(self) -> None:
+        self.middles = self.sites.copy()
+
+    def routes(self, situation: Situation) -> Routes:
+        """Three new waypoints for each agent, with the paper's settings."""
+        from sooner.simulation.strategies._task_kernels import assign
+
+        surfaces, kinds = information_surfaces(situation)
+        self.place_tasks(surfaces.mean(axis=0), situation.grid)
+        team, strategy = Team(situation.agents), self.strategy
+        routes = np.empty((len(situation.agents), strategy.waypoints - 1, 2))
+        height, width = situation.grid.shape
+        assign(
+            situation.places_m, situation.velocities_mps, team.v_max, team.a_max, team.radius_m,
+            strategy.arrive * team.radius_m, self.middles, self._own_tasks(situation.places_m), surfaces, kinds,
+            height, width, float(situation.grid.cell_m), strategy.neighbours, strategy.utility == "swept",
+            ROLLOUT_STEP_S, routes,
+        )  # fmt: skip
+        return tuple(routes)
+
+    def place_tasks(self, information: NDArray[np.float64], grid: Grid) -> NDArray[np.int32]:
+        """Move sites and tasks to where the information is; returns the (M,) int32 Voronoi cell of each grid cell."""
+        from sooner.simulation.strategies._task_kernels import lloyd
+
+        strategy, (height, width) = self.strategy, grid.shape
+        owner = np.empty(grid.n_cells, np.int32)
+        self.rounds = lloyd(
+            information + strategy.floor, height, width, float(grid.cell_m), strategy.gain, strategy.rounds,
+            strategy.near_m, self.sites, owner, self.middles,
+        )  # fmt: skip
+        return owner
+
+    def _own_tasks(self, places_m: NDArray[np.float64]) -> NDArray[np.int64]:
+        """(A,) int64: the task of the Voronoi cell in which each agent is."""
+        apart = ((places_m[:, None] - self.sites) ** 2).sum(axis=2)
+        return np.asarray(apart.argmin(axis=1), np.int64)
+
+
+def information_surfaces(situation: Situation) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Bits that one look teaches of each cell, (K, M), for each of K pairs of sensors; and each agent's pair, (A,)."""
+    pairs = [(agent.map_sensor, agent.target_sensor) for agent in situation.agents]
+    different = list(dict.fromkeys(pairs))
+    states = situation.states
+    surfaces = np.empty((len(different), states.void.size))
+    for surface, pair in zip(surfaces, different, strict=True):
+        _table(*pair).information(states.void, states.unoccupied, states.occupied, surface)
+    return surfaces, np.array([different.index(pair) for pair in pairs], np.int64)
+
+
+@lru_cache(maxsize=64)
+def _table(map_sensor: GradedSensor, target_sensor: GradedSensor) -> InformationTable:
+    return InformationTable(map_sensor.p_levels, target_sensor.p_levels)
