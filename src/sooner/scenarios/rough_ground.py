@@ -91,7 +91,7 @@ speed_mps = {self.speed_mps}
 accel_mps2 = {self.accel_mps2}
 
 # [regions]
-# cut = "aware"              # into tiles, and where there is more to find
+# turns = "rounded"          # arcs from line to line instead of stops
 
 [budget]
 seconds = {self.seconds}
