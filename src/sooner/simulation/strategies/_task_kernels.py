@@ -198,6 +198,7 @@ def assign(
                 taken[own[agent]] = True
             x, y, vx, vy = states[agent]
             surface, radius = surfaces[kinds[agent]], radius_m[agent] / cell_m
+            highest = surface.max()
             for k in range(_nearest_tasks(x, y, tasks, taken, n_near, near)):
                 task = near[k]
                 seconds, n_seen, _, _, _, _ = fly_to(
@@ -209,7 +210,7 @@ def assign(
                     east, north = trace[i, 0] / cell_m, trace[i, 1] / cell_m
                     if swept:
                         worth += new_in_view(east, north, radius, surface, height, width, mark, marks)
-                    else:
+                    elif worth < highest:
                         worth = max(worth, highest_in_view(east, north, radius, surface, height, width))
                 mark += 1
                 # among flights that are worth nothing, the shortest

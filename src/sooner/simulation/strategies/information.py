@@ -20,7 +20,7 @@ from sooner.simulation.strategies.strategy import Routes, Situation
 
 __all__ = ["SWEPT_INFORMATION", "Information", "InformationSession"]
 
-ROLLOUT_STEP_S = 0.1  # of Euler's rule in rollouts, which tell flights apart; five times as long as in flight
+ROLLOUT_STEP_S = 0.2  # of Euler's rule in rollouts; flights of 11 s come out 0.1 s too long, and 3 cm beside
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Information:
         if situation.grid.connectivity == "hex":
             raise InvalidProblemError("hexagonal cells came; expected square ones")
         low, high = area(situation.grid)
-        return InformationSession(self, low + rng.random((self.tasks, 2)) * (high - low))
+        return InformationSession(self, situation.agents, low + rng.random((self.tasks, 2)) * (high - low))
 
 
 SWEPT_INFORMATION = Information(utility="swept")
@@ -125,29 +125,42 @@ class InformationSession:
     """
 
     strategy: Information
+    agents: tuple[Agent, ...]
     sites: NDArray[np.float64]
     middles: NDArray[np.float64] = field(init=False)
     rounds: int = 0
 
     def __post_init__(self) -> None:
         self.middles = self.sites.copy()
+        team = Team(self.agents)
+        self._team = team.v_max, team.a_max, team.radius_m, self.strategy.arrive * team.radius_m
+        pairs = [(agent.map_sensor, agent.target_sensor) for agent in self.agents]
+        different = list(dict.fromkeys(pairs))
+        self._tables = [_table(*pair) for pair in different]
+        self._kinds = np.array([different.index(pair) for pair in pairs], np.int64)
 
     def routes(self, situation: Situation) -> Routes:
-        """Three new waypoints for each agent, with the paper's settings."""
+        """New waypoints for each agent, three with the paper's settings."""
         from sooner.simulation.strategies._task_kernels import assign
 
-        surfaces, kinds = information_surfaces(situation)
+        surfaces = self.information(situation)
         self.place_tasks(surfaces.mean(axis=0), situation.grid)
-        team, strategy = Team(situation.agents), self.strategy
-        routes = np.empty((len(situation.agents), strategy.waypoints - 1, 2))
-        height, width = situation.grid.shape
+        strategy, (height, width) = self.strategy, situation.grid.shape
+        routes = np.empty((len(self.agents), strategy.waypoints - 1, 2))
         assign(
-            situation.places_m, situation.velocities_mps, team.v_max, team.a_max, team.radius_m,
-            strategy.arrive * team.radius_m, self.middles, self._own_tasks(situation.places_m), surfaces, kinds,
-            height, width, float(situation.grid.cell_m), strategy.neighbours, strategy.utility == "swept",
-            ROLLOUT_STEP_S, routes,
+            situation.places_m, situation.velocities_mps, *self._team, self.middles,
+            self._own_tasks(situation.places_m), surfaces, self._kinds, height, width, float(situation.grid.cell_m),
+            strategy.neighbours, strategy.utility == "swept", ROLLOUT_STEP_S, routes,
         )  # fmt: skip
         return tuple(routes)
+
+    def information(self, situation: Situation) -> NDArray[np.float64]:
+        """(K, M) bits that one look teaches of each cell, for each pair of sensors that the agents have."""
+        states = situation.states
+        surfaces = np.empty((len(self._tables), states.void.size))
+        for surface, table in zip(surfaces, self._tables, strict=True):
+            table.information(states.void, states.unoccupied, states.occupied, surface)
+        return surfaces
 
     def place_tasks(self, information: NDArray[np.float64], grid: Grid) -> NDArray[np.int32]:
         """Move sites and tasks to where the information is; returns the (M,) int32 Voronoi cell of each grid cell."""
@@ -165,17 +178,6 @@ class InformationSession:
         """(A,) int64: the task of the Voronoi cell in which each agent is."""
         apart = ((places_m[:, None] - self.sites) ** 2).sum(axis=2)
         return np.asarray(apart.argmin(axis=1), np.int64)
-
-
-def information_surfaces(situation: Situation) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Bits that one look teaches of each cell, (K, M), for each of K pairs of sensors; and each agent's pair, (A,)."""
-    pairs = [(agent.map_sensor, agent.target_sensor) for agent in situation.agents]
-    different = list(dict.fromkeys(pairs))
-    states = situation.states
-    surfaces = np.empty((len(different), states.void.size))
-    for surface, pair in zip(surfaces, different, strict=True):
-        _table(*pair).information(states.void, states.unoccupied, states.occupied, surface)
-    return surfaces, np.array([different.index(pair) for pair in pairs], np.int64)
 
 
 @lru_cache(maxsize=64)
