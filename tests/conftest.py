@@ -28,6 +28,15 @@ def wisar() -> Path:
 
 
 @pytest.fixture(scope="session")
+def occupancy_graphs() -> Path:
+    """Folder of the street maps of [Wolek2020]."""
+    folder = Path(os.environ.get("SOONER_DATA", "")) / "occupancy_graphs"
+    if "SOONER_DATA" not in os.environ or not folder.is_dir():
+        pytest.skip("SOONER_DATA is not set to a folder with the occupancy graphs")
+    return folder
+
+
+@pytest.fixture(scope="session")
 def real_problem(wisar):
     """(name, steps, with_difficulty) -> the paper's problem."""
 
