@@ -109,15 +109,15 @@ def test_even_gains_are_one_class_and_noise_makes_no_ragged_border():
 def test_even_ground_is_cut_only_where_a_region_is_too_large():
     grid = Grid((30, 40), "square8", 10.0)
     assert regions_for(grid, np.ones(1200)).n_regions == 1
-    parts = regions_for(grid, np.ones(1200), largest_m2=30_000.0)
+    parts = regions_for(grid, np.ones(1200), swept_m2=120_000.0)
     assert parts.sizes.tolist() == [300] * 4
 
 
 def test_a_large_map_has_larger_chunks_instead_of_ever_more_regions():
     grid = Grid((300, 300), "square8", 10.0)
-    assert 50 <= regions_for(grid, np.ones(90_000), most=100, largest_m2=5000.0).n_regions <= 150
+    assert 50 <= regions_for(grid, np.ones(90_000), most=100, swept_m2=20_000.0).n_regions <= 150
     halves = np.repeat([[1.0, 3.0]], 150, axis=1).repeat(300, axis=0)
-    assert 50 <= regions_for(grid, halves, most=100, largest_m2=5000.0).n_regions <= 150
+    assert 50 <= regions_for(grid, halves, most=100, swept_m2=20_000.0).n_regions <= 150
 
 
 def test_chunks_of_a_finer_map_are_those_of_the_coarse_one():

@@ -13,6 +13,8 @@ from sooner.grid import Grid
 
 __all__ = ["gain_classes", "regions_for"]
 
+LARGEST = 0.25  # of what the shortest flight can sweep
+
 
 def regions_for(
     grid: Grid,
@@ -21,7 +23,7 @@ def regions_for(
     chunk_m: float = 52.8,
     most: int = 400,
     min_m2: float = 363.0,
-    largest_m2: float = np.inf,
+    swept_m2: float = np.inf,
 ) -> Regions:
     """Regions of ground that is alike, so that each can be searched as often as it is worth.
 
@@ -36,7 +38,8 @@ def regions_for(
     chunk_m : float            metres from west to east of a chunk: best about six times the sensing radius
     most : int                 chunks grow where there would be more of them than this
     min_m2 : float             least region, as `chunked`
-    largest_m2 : float         larger regions are cut into shares of about this size: what a short flight can sweep
+    swept_m2 : float           ground that the shortest flight can sweep: larger regions than a quarter of it are hardly
+                               ever worth their time, and are cut
 
     Notes
     -----
@@ -51,6 +54,7 @@ def regions_for(
     """
     cut = boustrophedon(grid) if base is None else base
     classes = gain_classes(grid, first_look)
+    largest_m2 = max(LARGEST * swept_m2, 2 * min_m2)
     least_m = grid.cell_m * float(np.sqrt(grid.passable.sum() / most))
     if classes.any():
         wide_m = max(chunk_m, least_m)

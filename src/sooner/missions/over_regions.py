@@ -28,7 +28,6 @@ __all__ = ["OverRegions"]
 # In radii of the sensor: what the paper's counts of regions ask for at its 8.8 m, 75 cells of 2.2 m and 3 columns.
 MIN_AREA, MIN_WIDTH = 75 * 2.2**2 / 8.8**2, 3 * 2.2 / 8.8
 CHUNK, MIN_CHUNK = 52.8 / 8.8, 363.0 / 8.8**2  # tuned at the same radius, see `regions_for`
-LARGEST = 0.25  # of the ground that the shortest flight can sweep: larger regions are hardly ever worth all their time
 HASTE, APART = 0.75, 1.75  # where less than such a share of the ground can be swept, lines lie so many radii apart
 SMALL_PART = 0.005  # of free ground, cut off: not worth a note
 
@@ -170,10 +169,9 @@ class OverRegions:
         if cutting.cut == "plain":
             return plain
         chunk_m = CHUNK * radius_m if cutting.chunk_m is None else cutting.chunk_m
-        shortest_m2 = self._swept_m2(sweeps[0].spacing_m, [sweep.dynamics for sweep in sweeps]).min()
+        shortest_m2 = float(self._swept_m2(sweeps[0].spacing_m, [sweep.dynamics for sweep in sweeps]).min())
         least_m2 = MIN_CHUNK * radius_m**2
-        largest_m2 = max(LARGEST * float(shortest_m2), 2 * least_m2)
-        return regions_for(grid, sight.first_look, plain, chunk_m, min_m2=least_m2, largest_m2=largest_m2)
+        return regions_for(grid, sight.first_look, plain, chunk_m, min_m2=least_m2, swept_m2=shortest_m2)
 
     def _thresholds(self, grid: Grid, radius_m: float) -> dict[str, float]:
         """Least sizes of regions in cells, whatever the size of the map."""

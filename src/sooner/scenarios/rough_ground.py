@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sooner.belief import EvidenceGrid
-from sooner.decomposition import boustrophedon
+from sooner.decomposition import boustrophedon, regions_for
 from sooner.grid import Grid
 from sooner.io import raster_csv
 from sooner.motion.kinematics import Dynamics
@@ -54,8 +54,10 @@ class RoughGround:
         grid = Grid(self.obstacles.shape, "square8", self.cell_m, self.obstacles)
         sweep = Sweep(Dynamics(self.speed_mps, self.accel_mps2), self.radius_m, self.radius_m)
         gains = information_gains(EvidenceGrid(self.evidence), BinarySensor(self.detect, self.false_alarm))
-        regions, wish = boustrophedon(grid, at_width=grid.shape[1]), Objective("information")
-        return region_problem(grid, regions, sweep, gains, [self.start], steps or self.seconds, [self.start], wish)
+        seconds, wish = steps or self.seconds, Objective("information")
+        plain, swept_m2 = boustrophedon(grid, at_width=grid.shape[1]), self.speed_mps * self.radius_m * seconds
+        regions = regions_for(grid, gains.first, plain, swept_m2=swept_m2)
+        return region_problem(grid, regions, sweep, gains, [self.start], seconds, [self.start], wish)
 
     def files(self) -> dict[str, bytes]:
         """A mission file and its rasters, by name; what `sooner scenario` writes."""
