@@ -178,7 +178,7 @@ def test_probabilities_total_one_and_logarithms_are_finite_whatever_comes(seed, 
     rng = np.random.default_rng(seed)
     states = TargetStates(random_graph(rng))
     track = begun(states, TargetWalk(rest), decay=decay)
-    ratios = np.empty(states.n_nodes)
+    ratios = np.zeros(states.n_nodes)
     n = states.n_nodes
     for _ in range(60):
         new = np.flatnonzero(rng.random(n) < 0.1)
@@ -199,7 +199,7 @@ def test_a_second_is_its_three_parts():
     rng = np.random.default_rng(2)
     states = TargetStates(random_graph(rng))
     one, two = begun(states), begun(states)
-    ratios = np.empty(states.n_nodes)
+    ratios = np.zeros(states.n_nodes)
     for _ in range(10):
         new, nodes = (rng.integers(states.n_nodes, size=size) for size in (3, 5))
         cells, told = states.graph.cells[nodes].astype(np.int32), np.exp(rng.normal(0, 3, 5))

@@ -78,7 +78,8 @@ class TrackBeforeDetect:
             raise InvalidProblemError(f"{weights.shape} weights came; there are {states.n_transitions} transitions")
         probability = np.zeros(states.n_states + 1)
         probability[-1] = 1.0
-        return Track(self, states, weights, probability, np.zeros(states.n_states, bool), np.zeros_like(weights))
+        explored, found = np.zeros(states.n_states, bool), np.zeros(states.n_nodes + 1, np.int64)
+        return Track(self, states, weights, probability, explored, found, np.zeros_like(weights))
 
 
 def start_ratio(absent: float, n_cells: int) -> float:
@@ -105,6 +106,7 @@ class Track:
     weights : (transitions,) float      q_walk, as `TargetWalk.weights` gives it
     probability : (S + 1,) float        p(s), then p(phi); totals one
     explored : (S,) bool                states both of whose nodes are detected
+    found : (N + 1,) int64              how many nodes are detected, and then they, in the order of their detection
     confined : (transitions,) float     q_walk confined to explored states, 0 elsewhere
     """
 
@@ -113,6 +115,7 @@ class Track:
     weights: NDArray[np.float64]
     probability: NDArray[np.float64]
     explored: NDArray[np.bool_]
+    found: NDArray[np.int64]
     confined: NDArray[np.float64]
 
     @cached_property
@@ -121,6 +124,10 @@ class Track:
         given = self.settings.start
         return start_ratio(self.settings.absent, self.states.graph.grid.n_cells) if given is None else given
 
+    @cached_property
+    def _scratch(self) -> NDArray[np.float64]:
+        return np.empty(self.states.n_states)
+
     @property
     def detected(self) -> NDArray[np.bool_]:
         """(N,) bool: nodes of the explored graph."""
@@ -128,7 +135,7 @@ class Track:
 
     def copy(self) -> Track:
         """The same track, to go on by itself."""
-        arrays = self.probability.copy(), self.explored.copy(), self.confined.copy()
+        arrays = self.probability.copy(), self.explored.copy(), self.found.copy(), self.confined.copy()
         return Track(self.settings, self.states, self.weights, *arrays)
 
     def explore(self, nodes: ArrayLike) -> None:
@@ -136,8 +143,8 @@ class Track:
         new = _numbers(nodes, self.states.n_nodes, "node")
         graph, states = self.states.graph, self.states
         kernels.explore(
-            *(self.probability, self.explored, self.confined, graph.starts, graph.neighbours, states.reverse),
-            *(states.outgoing_starts, self.weights, new, self.start_ratio),
+            *(self.probability, self.explored, self.found, self.confined, graph.starts, graph.neighbours),
+            *(states.reverse, states.outgoing_starts, self.weights, new, self.start_ratio),
         )
 
     def move(self) -> None:
@@ -150,8 +157,8 @@ class Track:
         """
         states, settings = self.states, self.settings
         kernels.move(
-            *(self.probability, self.explored, self.confined, states.graph.starts, states.reverse),
-            *(states.outgoing_starts, settings.vanish, settings.appear, np.empty(states.n_states)),
+            *(self.probability, self.explored, self.found, self.confined, states.graph.starts, states.reverse),
+            *(states.outgoing_starts, settings.vanish, settings.appear, self._scratch),
         )
 
     def see(self, cells: ArrayLike, ratios: ArrayLike) -> None:
@@ -165,7 +172,7 @@ class Track:
         if told.shape != looked.shape or not (told >= 0.0).all():
             raise InvalidProblemError(f"likelihood ratios {told} came for cells {looked}; expected one >= 0 for each")
         rows = graph.starts, self.states.reverse, graph.node_of_cell
-        kernels.see(self.probability, self.explored, *rows, looked, told, 0, len(looked))
+        kernels.see(self.probability, self.explored, self.found, *rows, looked, told, 0, len(looked))
 
     def second(
         self,
@@ -174,16 +181,16 @@ class Track:
         target_ratios: NDArray[np.float64],
         ratios: NDArray[np.float64],
     ) -> tuple[float, int]:
-        """`explore`, `move`, `see`, and the nodes' ratios written to (N,) float.
+        """`explore`, `move`, `see`, and the ratios of detected nodes written to (N,) float.
 
         Returns the integrated likelihood ratio, and the likeliest node, -1 where none is explored. Nothing is checked:
         this runs a second of every trial.
         """
         graph, states, settings = self.states.graph, self.states, self.settings
         told: tuple[float, int] = kernels.second(
-            *(self.probability, self.explored, self.confined, graph.starts, graph.neighbours, states.reverse),
-            *(states.outgoing_starts, self.weights, graph.node_of_cell, nodes, cells, target_ratios),
-            *(0, len(cells), self.start_ratio, settings.vanish, settings.appear, np.empty(states.n_states), ratios),
+            *(self.probability, self.explored, self.found, self.confined, graph.starts, graph.neighbours),
+            *(states.reverse, states.outgoing_starts, self.weights, graph.node_of_cell, nodes, cells, target_ratios),
+            *(0, len(cells), self.start_ratio, settings.vanish, settings.appear, self._scratch, ratios),
         )
         return told
 
