@@ -2,6 +2,7 @@
 
 from sooner.simulation.agents import Agent, Team, flight
 from sooner.simulation.episode import Beliefs, Call, Episode, Looks
+from sooner.simulation.episode_file import load_episode, replayed, save_episode
 from sooner.simulation.estimation import Estimator
 from sooner.simulation.loop import Keep, simulate
 from sooner.simulation.scene import Scene
@@ -22,5 +23,8 @@ __all__ = [
     "Team",
     "World",
     "flight",
+    "load_episode",
+    "replayed",
+    "save_episode",
     "simulate",
 ]

@@ -2,6 +2,17 @@
 
 from sooner.simulation.strategies.lawnmower import TUNED_LAWNMOWER, Lawnmower
 from sooner.simulation.strategies.random_waypoints import RandomWaypoints
+from sooner.simulation.strategies.registry import STRATEGIES, make_strategy
 from sooner.simulation.strategies.strategy import Routes, Session, Situation, Strategy
 
-__all__ = ["TUNED_LAWNMOWER", "Lawnmower", "RandomWaypoints", "Routes", "Session", "Situation", "Strategy"]
+__all__ = [
+    "STRATEGIES",
+    "TUNED_LAWNMOWER",
+    "Lawnmower",
+    "RandomWaypoints",
+    "Routes",
+    "Session",
+    "Situation",
+    "Strategy",
+    "make_strategy",
+]

@@ -36,7 +36,8 @@ class Lawnmower:
 
     Raises
     ------
-    InvalidProblemError            if reach or capture are not positive, or inset is not in [0, 0.5]
+    InvalidProblemError            if reach or capture are not positive, inset is not in [0, 0.5], or it does something
+                                   else afterwards
     """
 
     reach: float = 0.95
@@ -50,6 +51,8 @@ class Lawnmower:
                 raise InvalidProblemError(
                     f"a lawnmower with {name} = {getattr(self, name)} came; expected a positive number"
                 )
+        if self.afterwards not in ("hover", "back"):
+            raise InvalidProblemError(f"a lawnmower that does {self.afterwards!r} came; expected 'hover' or 'back'")
         if not 0.0 <= self.inset <= 0.5:
             raise InvalidProblemError(f"a lawnmower with inset = {self.inset} came; expected 0 to 0.5 lane widths")
 

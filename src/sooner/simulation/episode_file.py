@@ -1,0 +1,213 @@
+"""Episodes in files: an .npz of plain arrays and one line of JSON; nothing in it is ever run."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+import zlib
+from itertools import pairwise
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from sooner.errors import DataFormatError, Fault, InvalidProblemError
+from sooner.simulation.episode import Beliefs, Call, Episode, Looks
+from sooner.simulation.loop import Keep, simulate
+from sooner.simulation.scene import Scene
+from sooner.simulation.scene_description import described, scene_of, strategy_of
+
+__all__ = ["load_episode", "replayed", "save_episode"]
+
+FORMAT = "sooner episode 1"
+MOST_BYTES = 2_000_000_000  # of all arrays together, unpacked
+Arrays = dict[str, NDArray[Any]]
+
+_ALWAYS = (
+    "about", "cells", "edges", "node_places_m", "targets", "places_m", "node_seconds", "sums", "calls", "waypoints",
+    "route_lengths",
+)  # fmt: skip
+_LOOKS = ("firsts", "cells", "agents", "map_levels", "target_levels")
+_BELIEFS = ("seconds", "void", "occupied", "explored")
+_EXPECTED = "expected an episode that sooner wrote"
+
+
+def save_episode(episode: Episode, path: Path) -> None:
+    """Write an episode.
+
+    Raises
+    ------
+    InvalidProblemError      where the target walks by a function of your own: no file can hold it
+    """
+    graph = episode.scene.world.graph
+    routes = [route for plan in episode.plans for route in plan]
+    about = {"format": FORMAT, "seed": episode.seed, **described(episode.scene, episode.strategy)}
+    arrays: Arrays = {
+        "about": np.frombuffer(json.dumps(about).encode(), np.uint8),
+        "cells": graph.cells,
+        "edges": graph.edges,
+        "node_places_m": graph.positions_m,
+        "targets": episode.targets,
+        "places_m": episode.places_m,
+        "node_seconds": episode.node_seconds,
+        "sums": episode.sums,
+        "calls": np.array([(call.second, call.cell, call.target) for call in episode.calls], np.int64).reshape(-1, 3),
+        "waypoints": np.concatenate([np.empty((0, 2)), *routes]),
+        "route_lengths": np.array([len(route) for route in routes], np.int64),
+    }
+    if episode.looks is not None:
+        arrays |= {f"looks_{name}": getattr(episode.looks, name) for name in _LOOKS}
+    if episode.beliefs is not None:
+        arrays |= {f"beliefs_{name}": getattr(episode.beliefs, name) for name in _BELIEFS}
+    with path.open("wb") as file:
+        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+
+
+def load_episode(path: Path) -> Episode:
+    """Read an episode.
+
+    Raises
+    ------
+    DataFormatError      missing, too large, not an episode, or one that contradicts itself
+    """
+    arrays = _read(path)
+    try:
+        return _episode(arrays)
+    except (ValueError, RecursionError, KeyError, TypeError) as error:  # InvalidProblemError is a ValueError
+        raise DataFormatError(Fault(str(path), "", f"{error}", _EXPECTED)) from None
+
+
+def replayed(episode: Episode) -> Episode:
+    """The same search flown again: what is not the same then was not flown by this version of sooner.
+
+    Raises
+    ------
+    InvalidProblemError      where the strategy is not known
+    """
+    if episode.strategy is None:
+        raise InvalidProblemError("an episode by a strategy that is not ours came; it cannot be flown again")
+    beliefs_s = 0
+    if episode.beliefs is not None:
+        apart = np.diff(episode.beliefs.seconds)
+        beliefs_s = int(apart[0]) if len(apart) else episode.seconds
+    return simulate(episode.scene, episode.strategy, episode.seed, Keep(episode.looks is not None, beliefs_s))
+
+
+def _read(path: Path) -> Arrays:
+    """The arrays of an .npz, none of them of objects, and none larger than it says."""
+    names = {*_ALWAYS, *(f"looks_{name}" for name in _LOOKS), *(f"beliefs_{name}" for name in _BELIEFS)}
+    arrays: Arrays = {}
+    try:
+        with zipfile.ZipFile(path) as archive:
+            parts = archive.infolist()
+            if len(parts) > len(names) or sum(part.file_size for part in parts) > MOST_BYTES:
+                raise DataFormatError(
+                    Fault(str(path), "", f"{len(parts)} parts, or more than {MOST_BYTES:g} bytes, came", _EXPECTED)
+                )
+            for part in parts:
+                name = part.filename.removesuffix(".npy")
+                if name not in names:
+                    raise DataFormatError(Fault(str(path), name, "a part of that name came", _EXPECTED))
+                arrays[name] = _array(path, name, archive.read(part))
+    except OSError as error:
+        raise DataFormatError(
+            Fault(str(path), "", f"it cannot be read ({error.strerror or error})", _EXPECTED)
+        ) from None
+    except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError) as error:
+        raise DataFormatError(Fault(str(path), "", f"it is not an .npz ({error})", _EXPECTED)) from None
+    missing = [name for name in _ALWAYS if name not in arrays]
+    if missing:
+        raise DataFormatError(*(Fault(str(path), name, "it is missing", _EXPECTED) for name in missing))
+    return arrays
+
+
+def _array(path: Path, name: str, data: bytes) -> NDArray[Any]:
+    file = io.BytesIO(data)
+    try:
+        version = npy.read_magic(file)
+        if version not in ((1, 0), (2, 0)):
+            raise ValueError(f"version {version}")
+        header = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+        shape, fortran, kind = header(file)
+        sound = kind.kind in "biuf" and min(shape, default=0) >= 0 and not (fortran and len(shape) > 1)
+        if not sound or prod(shape) * kind.itemsize != len(data) - file.tell():
+            raise ValueError(f"shape {shape} of {kind}")
+    except ValueError as error:
+        raise DataFormatError(Fault(str(path), name, f"it is no array of numbers ({error})", _EXPECTED)) from None
+    return np.frombuffer(data, kind, offset=file.tell()).reshape(shape).copy()
+
+
+def _episode(arrays: Arrays) -> Episode:
+    about = json.loads(bytes(arrays["about"].astype(np.uint8)).decode())
+    if not isinstance(about, dict) or about.get("format") != FORMAT:
+        raise InvalidProblemError("the format of another version, or none, came")
+    scene = scene_of(about, arrays["cells"], arrays["edges"], arrays["node_places_m"])
+    _check(arrays, scene)
+    n_agents = len(scene.agents)
+    bounds = np.concatenate([[0], np.cumsum(arrays["route_lengths"])])
+    routes = [arrays["waypoints"][first:last] for first, last in pairwise(bounds)]
+    return Episode(
+        scene=scene,
+        strategy=strategy_of(about),
+        seed=int(about["seed"]),
+        targets=arrays["targets"],
+        places_m=arrays["places_m"],
+        node_seconds=arrays["node_seconds"],
+        sums=arrays["sums"],
+        calls=tuple(Call(*row) for row in arrays["calls"].tolist()),
+        plans=tuple(tuple(routes[n : n + n_agents]) for n in range(0, len(routes), n_agents)),
+        looks=Looks(*(arrays[f"looks_{name}"] for name in _LOOKS)) if "looks_firsts" in arrays else None,
+        beliefs=Beliefs(*(arrays[f"beliefs_{name}"] for name in _BELIEFS)) if "beliefs_seconds" in arrays else None,
+    )
+
+
+def _check(arrays: Arrays, scene: Scene) -> None:
+    """Refuse arrays that do not belong together."""
+    T, A, M = scene.seconds, len(scene.agents), scene.grid.n_cells
+    N, Q = scene.world.graph.n_nodes, scene.world.n_targets
+    _expect("targets", arrays, "i", (T + 1, Q), 0, N - 1)
+    _expect("places_m", arrays, "f", (T + 1, A, 2))
+    _expect("node_seconds", arrays, "i", (M,), -1, T - 1)
+    _expect("sums", arrays, "f", (T,), 0.0)
+    calls = _expect("calls", arrays, "i", (None, 3), -1)
+    if len(calls) and not (calls.min(axis=0) >= [0, 0, -1]).all() & (calls.max(axis=0) < [T, M, max(Q, 1)]).all():
+        raise InvalidProblemError("calls out of the mission's seconds, cells or targets came")
+    lengths = _expect("route_lengths", arrays, "i", (None,), 0, 1_000_000)
+    _expect("waypoints", arrays, "f", (int(lengths.sum()), 2))
+    if len(lengths) % A:
+        raise InvalidProblemError(f"{len(lengths)} routes came for {A} agents")
+    if any(name.startswith("looks_") for name in arrays):
+        _check_looks(arrays, T, A, M)
+    if any(name.startswith("beliefs_") for name in arrays):
+        B = len(_expect("beliefs_seconds", arrays, "i", (None,), 0, T - 1))
+        for name in ("void", "occupied"):
+            _expect(f"beliefs_{name}", arrays, "f", (B, M), 0.0, 1.0)
+        _expect("beliefs_explored", arrays, "b", (B, M))
+
+
+def _check_looks(arrays: Arrays, T: int, A: int, M: int) -> None:
+    cells = _expect("looks_cells", arrays, "i", (None,), 0, M - 1)
+    firsts = _expect("looks_firsts", arrays, "i", (T + 1,), 0, len(cells))
+    if firsts[0] != 0 or firsts[-1] != len(cells) or (np.diff(firsts) < 0).any():
+        raise InvalidProblemError("looks whose seconds do not follow one another came")
+    _expect("looks_agents", arrays, "i", cells.shape, 0, A - 1)
+    for name in ("looks_map_levels", "looks_target_levels"):
+        _expect(name, arrays, "i", cells.shape, 0)
+
+
+def _expect(
+    name: str, arrays: Arrays, kind: str, shape: tuple[int | None, ...], least: float = -np.inf, most: float = np.inf
+) -> NDArray[Any]:
+    array = arrays[name]
+    fits = array.ndim == len(shape) and all(
+        want is None or have == want for have, want in zip(array.shape, shape, strict=True)
+    )
+    if array.dtype.kind != kind or not fits:
+        raise InvalidProblemError(f"{name} of type {array.dtype} and shape {array.shape} came; expected {shape}")
+    if array.size and kind != "b" and not (least <= array.min() and array.max() <= most and np.isfinite(array).all()):
+        raise InvalidProblemError(f"{name} with numbers that are not between {least} and {most} came")
+    return array
