@@ -18,11 +18,13 @@ from sooner.scenarios.rough_ground import RoughGround, rough_ground
 from sooner.scenarios.rugged_ridge import rugged_ridge
 from sooner.scenarios.scenario import Scenario
 from sooner.scenarios.simplex_noise import elevation, simplex_noise
+from sooner.scenarios.street_grid import STREET_KINDS, street_grid
 
 __all__ = [
     "EXPERIMENT_2_CELLS",
     "NATURAL_KINDS",
     "SCENARIOS",
+    "STREET_KINDS",
     "NaturalEnvironment",
     "RoughGround",
     "Scenario",
@@ -39,4 +41,5 @@ __all__ = [
     "rugged_ridge",
     "simplex_noise",
     "starts",
+    "street_grid",
 ]
