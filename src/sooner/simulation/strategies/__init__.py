@@ -1,5 +1,6 @@
 """Ways to fly a search: what is known in, routes of waypoints out."""
 
+from sooner.simulation.strategies.information import SWEPT_INFORMATION, Information
 from sooner.simulation.strategies.lawnmower import TUNED_LAWNMOWER, Lawnmower
 from sooner.simulation.strategies.random_waypoints import RandomWaypoints
 from sooner.simulation.strategies.registry import STRATEGIES, make_strategy
@@ -7,7 +8,9 @@ from sooner.simulation.strategies.strategy import Routes, Session, Situation, St
 
 __all__ = [
     "STRATEGIES",
+    "SWEPT_INFORMATION",
     "TUNED_LAWNMOWER",
+    "Information",
     "Lawnmower",
     "RandomWaypoints",
     "Routes",

@@ -11,6 +11,7 @@ from numba import njit
 from sooner.simulation._flight_kernels import fly_to
 
 NONE = -1.0  # the utility of what must not be chosen: below any that can be
+NEXT_TO_NOTHING = 1e-9  # bits by which, of flights that are worth nothing, the shortest is chosen
 
 
 @njit(cache=True, nogil=True)
@@ -213,8 +214,7 @@ def assign(
                     elif worth < highest:
                         worth = max(worth, highest_in_view(east, north, radius, surface, height, width))
                 mark += 1
-                # among flights that are worth nothing, the shortest
-                utilities[agent, task] = (worth + 1e-9) / max(seconds, 1.0)
+                utilities[agent, task] = (worth + NEXT_TO_NOTHING) / max(seconds, 1.0)
             if excluded:
                 taken[own[agent]] = False
         most_valuable(utilities, chosen)

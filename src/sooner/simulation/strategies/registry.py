@@ -19,6 +19,8 @@ STRATEGIES: dict[str, tuple[str, Mapping[str, Any]]] = {
         "sooner.simulation.strategies.lawnmower:Lawnmower",
         {"reach": 1.0, "capture": 0.5, "inset": 0.5},
     ),
+    "information": ("sooner.simulation.strategies.information:Information", {}),
+    "swept_information": ("sooner.simulation.strategies.information:Information", {"utility": "swept"}),
 }
 """Where the class of each lives, "module:Class", and the settings that make the variant."""
 
