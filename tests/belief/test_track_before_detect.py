@@ -284,3 +284,22 @@ def test_nodes_cells_and_numbers_that_are_not_there_are_refused():
         track.see([1, 2], [0.0])
     with pytest.raises(InvalidProblemError, match="one >= 0 for each"):
         track.see([1], [-1.0])
+
+
+def test_probabilities_total_one_after_a_hundred_thousand_updates():
+    rng = np.random.default_rng(1)
+    for number in range(20):
+        states = TargetStates(random_graph(rng))
+        track = begun(states, TargetWalk(rng.choice([0.0, 0.5])), decay=rng.choice([0.0, 0.1, 1.0]))
+        choices = np.exp(4 * (np.linspace(-3, 7, 25) - 2)) if number % 2 else np.array([0.0, 1e-300, 0.3, 3.0, np.inf])
+        cells = rng.choice(states.graph.cells, (5_000, 6)).astype(np.int32)
+        told = rng.choice(choices, cells.shape)
+        found = np.sort(rng.integers(5_000, size=states.n_nodes))
+        ratios = np.zeros(states.n_nodes)
+        for second in range(5_000):
+            new = np.flatnonzero(found == second)
+            integrated, _ = track.second(new, cells[second], told[second], ratios)
+            assert abs(track.probability.sum() - 1.0) < 1e-12
+            assert np.isfinite(integrated)
+        assert np.isfinite(track.log_ratios[track.explored]).all()
+        assert track.explored.all()
