@@ -47,6 +47,10 @@ def test_the_chain_rule_over_counts_agrees_with_binomials(theta: float, looks: i
     assert np.cumsum(information([theta], looks, d, f)[0]) == pytest.approx(chained, abs=1e-12)
 
 
+def test_a_false_alarm_next_to_never_is_as_good_as_none() -> None:
+    assert information([0.5], 2, 0.5, 5e-324)[0] == pytest.approx(information([0.5], 2, 0.5, 0.0)[0], rel=1e-12)
+
+
 def test_table_1_is_the_papers_to_its_printed_digits() -> None:
     """But for 0.34636, printed as 0.347, which is what its rounded neighbours give: 0.737 - 0.390."""
     table = information_table(0.5, 2, 2, 3, 0.85, 0.15).round(3)

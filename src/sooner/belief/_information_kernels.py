@@ -39,7 +39,7 @@ def information(theta, detect, false_alarm, out):
         if prior <= 0.0 or prior >= 1.0 or d == f:
             continue
         # an infinite weight of a hit or miss belongs to outcomes with no mass on one side, which are left out
-        on_hit = math.log(d / f) if d > 0.0 and f > 0.0 else 0.0
+        on_hit = math.log(d) - math.log(f) if d > 0.0 and f > 0.0 else 0.0  # d / f may be beyond all numbers
         on_miss = math.log((1.0 - d) / (1.0 - f)) if d < 1.0 and f < 1.0 else 0.0
         log_odds = math.log(prior) - math.log1p(-prior)
         present[:], absent[:] = 0.0, 0.0
