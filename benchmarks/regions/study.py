@@ -19,7 +19,7 @@ import numpy as np
 from sooner.belief import EvidenceGrid
 from sooner.campaigns.statistics import estimate
 from sooner.decomposition import Regions, boustrophedon
-from sooner.decomposition.aware import gain_classes, regions_for
+from sooner.decomposition.aware import gain_classes, regions_for, spacing_for
 from sooner.decomposition.chunks import chunked
 from sooner.decomposition.voronoi import voronoi
 from sooner.experiments.flight import cpu_seconds
@@ -66,7 +66,6 @@ ASKED = {  # by how looks are counted: shares of the mission time, priors and cu
     "passes": ((1.0, 0.5, 0.25), ("nonuniform",), ("plain", "aware", "tiles", "large voronoi")),
     "actions": ((1.0,), PRIORS, ("plain", "aware", "tiles", "voronoi")),
 }
-SHORT = 0.3  # shares of the mission time that do not do for one sweep: lines lie further apart, as in missions
 
 
 def flown(ground: NaturalEnvironment, cut: str, looks: str, share: float, seconds: float) -> dict[str, float]:
@@ -74,7 +73,10 @@ def flown(ground: NaturalEnvironment, cut: str, looks: str, share: float, second
     gains = information_gains(EvidenceGrid(ground.theta), BinarySensor(0.85, 0.15))
     base, places = boustrophedon(ground.grid), starts(ground, 1, 1)
     time_s = share * two_searches_s(region_problem(ground.grid, base, PRESET_A, gains, places, 1e9))
-    spacing_m = PRESET_A.radius_m * (1.75 if share < SHORT else 1.0)
+    spacing_m = PRESET_A.radius_m
+    if looks == "passes":  # as missions do
+        swept_m2 = time_s * PRESET_A.dynamics.v_max * spacing_m
+        spacing_m = spacing_for(spacing_m, swept_m2, float(ground.grid.passable.sum()) * ground.grid.cell_m**2)
     sweep = replace(PRESET_A, looks=looks, spacing_m=spacing_m)
     began = time.process_time()
     regions = CUTS[cut](ground.grid, base, gains.first)

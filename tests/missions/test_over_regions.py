@@ -65,7 +65,7 @@ def ground(tmp_path):
     return write
 
 
-PLAIN = '[regions]\ncut = "plain"'
+PLAIN = '[regions]\ncut = "plain"\nspacing_m = 8.0'
 
 KINDS = [
     (known, objective, moves)

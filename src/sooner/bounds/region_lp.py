@@ -41,7 +41,7 @@ Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 PROOF = "linear program over regions"
-ASSUMES = "an action looks once at each cell that it covers, and gains do not depend on when"
+ASSUMES = "looks of an action at a cell are as many whenever it is flown, and gains do not depend on when"
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """How ground is cut into regions, how each is swept, and the modes of a surface."""
 
-from sooner.decomposition.aware import gain_classes, regions_for
+from sooner.decomposition.aware import gain_classes, regions_for, spacing_for
 from sooner.decomposition.boustrophedon import boustrophedon
 from sooner.decomposition.chunks import chunked
 from sooner.decomposition.modes import modes
@@ -20,5 +20,6 @@ __all__ = [
     "modes",
     "plow_lines",
     "regions_for",
+    "spacing_for",
     "voronoi",
 ]

@@ -11,9 +11,19 @@ from sooner.decomposition.regions import Regions
 from sooner.errors import InvalidProblemError
 from sooner.grid import Grid
 
-__all__ = ["gain_classes", "regions_for"]
+__all__ = ["gain_classes", "regions_for", "spacing_for"]
 
 LARGEST = 0.25  # of what the shortest flight can sweep
+HASTE, APART = 1.5, 1.75  # less than so many sweeps: lines lie so many radii apart
+
+
+def spacing_for(radius_m: float, swept_m2: float, ground_m2: float) -> float:
+    """Metres between plow lines: the sensor's radius, or 1.75 of it where there is no time for one and a half sweeps.
+
+    swept_m2 is the ground that all drones can sweep in their time with lines one radius apart. So swept, a cell comes
+    into view twice in each search; where time is short it is better to see more ground once. Tuned as `regions_for`.
+    """
+    return radius_m if swept_m2 >= HASTE * ground_m2 else APART * radius_m
 
 
 def regions_for(

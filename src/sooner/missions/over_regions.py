@@ -9,7 +9,7 @@ from math import inf, radians
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.decomposition import Regions, boustrophedon, regions_for
+from sooner.decomposition import Regions, boustrophedon, regions_for, spacing_for
 from sooner.errors import InfeasibleProblemError, InvalidProblemError
 from sooner.grid import Grid
 from sooner.missions.faults import Faults
@@ -28,7 +28,6 @@ __all__ = ["OverRegions"]
 # In radii of the sensor: what the paper's counts of regions ask for at its 8.8 m, 75 cells of 2.2 m and 3 columns.
 MIN_AREA, MIN_WIDTH = 75 * 2.2**2 / 8.8**2, 3 * 2.2 / 8.8
 CHUNK, MIN_CHUNK = 52.8 / 8.8, 363.0 / 8.8**2  # tuned at the same radius, see `regions_for`
-HASTE, APART = 0.75, 1.75  # where less than such a share of the ground can be swept, lines lie so many radii apart
 SMALL_PART = 0.005  # of free ground, cut off: not worth a note
 
 
@@ -109,11 +108,11 @@ class OverRegions:
                 )
                 self.faults.add("regions.spacing_m", came, expected)
             return said
-        area_m2 = 0.0 if self.free is None else float(self.free.sum()) * (self.layers.cell_m or 0.0) ** 2
-        if self._swept_m2(radius_m, flown).sum() >= HASTE * area_m2:
-            return radius_m
-        self.notes += (f"time is short for so much ground: lines are flown {APART * radius_m:.3g} m apart",)
-        return APART * radius_m
+        ground_m2 = 0.0 if self.free is None else float(self.free.sum()) * (self.layers.cell_m or 0.0) ** 2
+        spacing_m = spacing_for(radius_m, float(self._swept_m2(radius_m, flown).sum()), ground_m2)
+        if spacing_m > radius_m:
+            self.notes += (f"time is short for so much ground: lines are flown {spacing_m:.3g} m apart",)
+        return spacing_m
 
     def _swept_m2(self, spacing_m: float, flown: list[Dynamics]) -> NDArray[np.float64]:
         """About how much ground each drone can sweep in the time."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sooner.belief import EvidenceGrid
-from sooner.decomposition import boustrophedon, regions_for
+from sooner.decomposition import boustrophedon, regions_for, spacing_for
 from sooner.grid import Grid
 from sooner.io import raster_csv
 from sooner.motion.kinematics import Dynamics
@@ -52,11 +52,13 @@ class RoughGround:
     def problem(self, steps: int | None = None) -> SearchProblem:
         """The search as planners are asked it, for the whole flying time or for so many seconds."""
         grid = Grid(self.obstacles.shape, "square8", self.cell_m, self.obstacles)
-        sweep = Sweep(Dynamics(self.speed_mps, self.accel_mps2), self.radius_m, self.radius_m)
         gains = information_gains(EvidenceGrid(self.evidence), BinarySensor(self.detect, self.false_alarm))
         seconds, wish = steps or self.seconds, Objective("information")
-        plain, swept_m2 = boustrophedon(grid, at_width=grid.shape[1]), self.speed_mps * self.radius_m * seconds
-        regions = regions_for(grid, gains.first, plain, swept_m2=swept_m2)
+        flown_m, ground_m2 = self.speed_mps * seconds, float(grid.passable.sum()) * self.cell_m**2
+        spacing_m = spacing_for(self.radius_m, flown_m * self.radius_m, ground_m2)
+        plain = boustrophedon(grid, at_width=grid.shape[1])
+        regions = regions_for(grid, gains.first, plain, swept_m2=flown_m * spacing_m)
+        sweep = Sweep(Dynamics(self.speed_mps, self.accel_mps2), self.radius_m, spacing_m)
         return region_problem(grid, regions, sweep, gains, [self.start], seconds, [self.start], wish)
 
     def files(self) -> dict[str, bytes]:
