@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import lru_cache
+from math import ceil
 from typing import Literal
 
 import numpy as np
@@ -133,6 +134,7 @@ class InformationSession:
     def __post_init__(self) -> None:
         self.middles = self.sites.copy()
         team = Team(self.agents)
+        self._step_s = rollout_step_s(team)
         self._team = team.v_max, team.a_max, team.radius_m, self.strategy.arrive * team.radius_m
         pairs = [(agent.map_sensor, agent.target_sensor) for agent in self.agents]
         different = list(dict.fromkeys(pairs))
@@ -150,7 +152,7 @@ class InformationSession:
         assign(
             situation.places_m, situation.velocities_mps, *self._team, self.middles,
             self._own_tasks(situation.places_m), surfaces, self._kinds, height, width, float(situation.grid.cell_m),
-            strategy.neighbours, strategy.utility == "swept", ROLLOUT_STEP_S, routes,
+            strategy.neighbours, strategy.utility == "swept", self._step_s, routes,
         )  # fmt: skip
         return tuple(routes)
 
@@ -178,6 +180,15 @@ class InformationSession:
         """(A,) int64: the task of the Voronoi cell in which each agent is."""
         apart = ((places_m[:, None] - self.sites) ** 2).sum(axis=2)
         return np.asarray(apart.argmin(axis=1), np.int64)
+
+
+def rollout_step_s(team: Team) -> float:
+    """A whole part of a second, shorter for agents that are at full speed so soon that longer steps would overshoot.
+
+    >>> rollout_step_s(Team((Agent(),))), rollout_step_s(Team((Agent(v_max=1.0, a_max=10.0),)))
+    (0.2, 0.05)
+    """
+    return 1.0 / ceil(1.0 / min(ROLLOUT_STEP_S, float((0.5 * team.v_max / team.a_max).min())) - 1e-9)
 
 
 @lru_cache(maxsize=64)
