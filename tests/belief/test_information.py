@@ -30,7 +30,7 @@ def equation_15(theta: float, q: int, d: float, f: float) -> float:
     bits = 0.0
     for x in (0, 1):
         here = (given_x[x] > 0) & (total > 0)
-        bits += np.sum(prior[x] * given_x[x][here] * np.log2(given_x[x][here] / total[here]))
+        bits += np.sum(prior[x] * given_x[x][here] * (np.log2(given_x[x][here]) - np.log2(total[here])))
     return bits
 
 
