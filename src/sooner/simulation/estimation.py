@@ -63,6 +63,15 @@ class Estimator:
         if not 0.0 < self.decay <= 1.0:
             raise InvalidProblemError(f"a decay of {self.decay} came; expected a number in (0, 1]")
 
+    def begun(self, world: World, most_looks: int) -> TeamBelief:
+        """The belief of a search in which nothing has been seen.
+
+        world : World         of which only what the estimator may know is used: how targets walk, the streets between
+                              detected nodes, and all of the map where it is known
+        most_looks : int      that may come in one second
+        """
+        return TeamBelief(self, world, most_looks)
+
 
 class TeamBelief:
     """The belief of one search, changed in place by every second's looks.

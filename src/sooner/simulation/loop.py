@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from sooner.errors import InvalidProblemError
 from sooner.simulation.agents import STEP_S
 from sooner.simulation.episode import Beliefs, Call, Episode, Looks
-from sooner.simulation.estimation import TeamBelief
 from sooner.simulation.scene import Scene
 from sooner.simulation.sensing import LookLog
 from sooner.simulation.strategies.strategy import Routes, Situation, Strategy
@@ -70,7 +69,7 @@ class _Flight:
         self.truth: Truth = scene.world.truth(self.seed, scene.seconds)
         self.noise = noise_seed(self.seed)
         self.log = LookLog(scene.sensing.most_looks, self.keep.looks)
-        self.belief = TeamBelief(scene.estimator, scene.world, scene.sensing.most_looks)
+        self.belief = scene.estimator.begun(scene.world, scene.sensing.most_looks)
         self.places = scene.starts(self.strategy, self.seed)
         self.velocities = np.zeros_like(self.places)
         self.track = np.empty((scene.seconds + 1, *self.places.shape))
@@ -116,7 +115,7 @@ class _Flight:
 
     def _target_near(self, second: int, cell: int) -> int:
         """The nearest target within the largest radius of view of a cell's centre, -1 if there is none."""
-        apart = self.scene.world.graph.positions_m[self.truth.nodes_at(second)] - self.scene.grid.centres_m[cell]
+        apart = self.truth.places_at(second) - self.scene.grid.centres_m[cell]
         if not len(apart):
             return -1
         metres = np.hypot(apart[:, 0], apart[:, 1])

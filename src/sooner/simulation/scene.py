@@ -63,7 +63,7 @@ class Scene:
     @property
     def grid(self) -> Grid:
         """The cells."""
-        return self.world.graph.grid
+        return self.world.grid
 
     @cached_property
     def team(self) -> Team:

@@ -10,6 +10,7 @@ from numpy.random import Generator, SeedSequence, default_rng
 from numpy.typing import NDArray
 
 from sooner.errors import InvalidProblemError
+from sooner.grid import Grid
 from sooner.streets import Evasive, OccupancyGraph, TargetStates, TargetWalk
 
 __all__ = ["Purpose", "Truth", "World", "generator", "noise_seed"]
@@ -69,6 +70,11 @@ class World:
             raise InvalidProblemError(
                 f"{self.n_targets} targets came; expected 0 to {min(self.graph.n_nodes, MOST_TARGETS)}"
             )
+
+    @property
+    def grid(self) -> Grid:
+        """The cells."""
+        return self.graph.grid
 
     @cached_property
     def states(self) -> TargetStates:
@@ -157,6 +163,11 @@ class Truth:
                 state, self.draws[second, target], states.current, graph.starts, graph.neighbours,
                 states.outgoing_starts, self.world.weights, factors,
             )  # fmt: skip
+
+    def places_at(self, second: int) -> NDArray[np.float64]:
+        """(Q, 2) float: where each target is, metres."""
+        places: NDArray[np.float64] = self.world.graph.positions_m[self.nodes_at(second)]
+        return places
 
     def nodes_at(self, second: int) -> NDArray[np.int64]:
         """(Q,) int64: the node where each target is."""
