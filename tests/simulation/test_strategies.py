@@ -36,10 +36,10 @@ def test_rectangles_are_equal_and_cover_the_ground(n_agents):
     assert min(bottom.min() for bottom, _ in parts) == low.min()
 
 
-def test_the_papers_lawnmower_has_five_lanes_of_twenty_metres_from_edge_to_edge():
+def test_the_papers_lawnmower_has_five_lanes_of_twenty_metres():
     route = simulate(SCENE, Lawnmower(), 0).plans[0][0]
     assert route[:, 0].tolist() == [7.5, 7.5, 27.5, 27.5, 47.5, 47.5, 67.5, 67.5, 87.5, 87.5]
-    assert route[:, 1].tolist() == [-2.5, 97.5, 97.5, -2.5, -2.5, 97.5, 97.5, -2.5, -2.5, 97.5]
+    assert route[:, 1].tolist() == [0.0, 95.0, 95.0, 0.0, 0.0, 95.0, 95.0, 0.0, 0.0, 95.0]
 
 
 def test_the_tuned_lawnmower_has_four_of_twenty_five():

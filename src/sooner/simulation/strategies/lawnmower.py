@@ -24,8 +24,8 @@ class Lawnmower:
     """Lanes as far apart as the radius of view allows; it does not learn   [Wolek2020, section IV].
 
     The paper says of it only that agents start in the corners so that an efficient path exists. What comes near its
-    figures: a quadrant for each of four agents, lanes for a radius of 0.95 rho and so 5 of 20 m, flown from edge to
-    edge, waypoints taken for reached at rho / 10.
+    figures: a quadrant for each of four agents, lanes for a radius of 0.95 rho and so 5 of 20 m, flown from the centres
+    of its first cells to those of its last, 2.5 m from the edge, waypoints taken for reached at rho / 10.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class Lawnmower:
 
     reach: float = 0.95
     capture: float = 0.1
-    inset: float = 0.0
+    inset: float = 0.125
     afterwards: Literal["hover", "back"] = "hover"
 
     def __post_init__(self) -> None:

@@ -35,7 +35,7 @@ def make_strategy(name: str, **settings: Any) -> Strategy:
     Examples
     --------
     >>> make_strategy("lawnmower", reach=1.0)
-    Lawnmower(reach=1.0, capture=0.1, inset=0.0, afterwards='hover')
+    Lawnmower(reach=1.0, capture=0.1, inset=0.125, afterwards='hover')
     """
     if name not in STRATEGIES:
         raise InvalidProblemError(f"strategy {name!r} came; expected one of {', '.join(sorted(STRATEGIES))}")
