@@ -89,7 +89,8 @@ class _Flight:
             if second % scene.replan_s == 0:
                 self.belief.predict()
                 situation = self._situation(second)
-                session = session or self.strategy.session(situation, rng)
+                if session is None:
+                    session = self.strategy.session(situation, rng)
                 self.routes.take(session.routes(situation), situation.routes)
                 self.plans.append(self.routes.left)
             self._snapshot(second)
