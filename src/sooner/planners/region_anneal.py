@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 from numpy.random import Generator
@@ -36,15 +37,18 @@ class RegionAnneal:
 
     Parameters
     ----------
-    hot, cold : float          temperatures at the beginning and end, in mean gains of an action of the relaxed plan
+    hot : tuple of float       temperatures at the beginning, in mean gains of an action of the relaxed plan: each of
+                               its own family of walks. The coolest is best where there are many regions; where there
+                               are few, it may never leave the plan that it began with
+    cold : float               temperature at the end
     walks : int                started together from the better of depth-first coverage and a greedy walk
-    halvings : (share, n)      after this share of a round the n best go on
+    halvings : (share, n)      after this share of a round the n best go on, as many of each family
     moves : int                of each thread between two yields; as many more for each further thousand actions
     longest : int              ticks after which a round begins anew, where there is time for more than one
     threads : int              a plan depends on their number, never on their speed
     """
 
-    hot: float = 0.1
+    hot: tuple[float, ...] = (0.1, 0.1, 0.1, 0.3)
     cold: float = 0.003
     walks: int = 8
     halvings: tuple[tuple[float, int], ...] = ((0.4, 4), (0.7, 2))
@@ -68,7 +72,8 @@ class RegionAnneal:
         with ThreadPoolExecutor(self.threads) as pool:
             while True:
                 rounds = rounds.begun(share)
-                states = [_State(numbers, start, stream) for stream in rng.spawn(max(self.walks, self.threads))]
+                streams = rng.spawn(max(self.walks, self.threads, len(self.hot)))
+                states = [_State(numbers, start, each, n % len(self.hot)) for n, each in enumerate(streams)]
                 while (now := rounds.now(share)) < 1.0:
                     states = self._halved(states, now)
                     self._anneal(states, now, moves, pool)
@@ -78,17 +83,22 @@ class RegionAnneal:
                 start = best.plan.actions[0]
 
     def _halved(self, states: list[_State], now: float) -> list[_State]:
-        """Let the better ones go on."""
-        keep = min((max(n, self.threads) for share, n in self.halvings if now >= share), default=len(states))
-        return sorted(states, key=lambda state: -state.value)[:keep] if keep < len(states) else states
+        """Let the better ones of each family go on."""
+        keep = min((n for share, n in self.halvings if now >= share), default=len(states))
+        if max(keep, self.threads, len(self.hot)) >= len(states):
+            return states
+        families = [[state for state in states if state.family == n] for n in range(len(self.hot))]
+        each = max(keep, self.threads) // len(families)
+        best = [sorted(family, key=lambda state: -state.value)[: max(each, 1)] for family in families]
+        return [state for level in zip_longest(*best) for state in level if state is not None]
 
     def _anneal(self, states: list[_State], now: float, moves: int, pool: ThreadPoolExecutor) -> None:
         """One tick: every thread makes the same number of moves, shared among its states."""
-        temperature = self.hot * (self.cold / self.hot) ** now if now < 0.97 else POLISH
+        temperatures = [hot * (self.cold / hot) ** now if now < 0.97 else POLISH for hot in self.hot]
 
         def run(own: list[_State]) -> None:
             for state in own:
-                state.anneal(temperature, moves // len(own))
+                state.anneal(temperatures[state.family], moves // len(own))
 
         list(pool.map(run, [states[k :: self.threads] for k in range(min(self.threads, len(states)))]))
 
@@ -116,11 +126,11 @@ class _Numbers:
 class _State:
     """Numbers of actions under change; see `_region_anneal_kernels`."""
 
-    def __init__(self, numbers: _Numbers, actions: NDArray[np.int64], rng: Generator) -> None:
+    def __init__(self, numbers: _Numbers, actions: NDArray[np.int64], rng: Generator, family: int) -> None:
         from sooner.planners._region_anneal_kernels import LONGEST
 
         ground = self.ground = numbers.ground
-        self.numbers = numbers
+        self.numbers, self.family = numbers, family
         self.counts = np.bincount(actions, minlength=ground.n_actions).astype(np.int32)
         edges = self.counts[ground.n_regions :]
         self.degree = np.zeros(ground.n_regions, np.int32)
