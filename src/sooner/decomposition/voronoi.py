@@ -89,7 +89,7 @@ def _seeds(grid: Grid, density: NDArray[np.float64], count: int) -> NDArray[np.i
     steps, waiting = np.full((3, grid.n_cells), -1, np.int32), np.empty((3, grid.n_cells), np.int32)
     touched = np.empty(grid.n_cells, np.int32)
     while True:
-        approach(grid.passable, grid.shape[1], seeds[-1], apart, *steps, waiting, touched)
+        approach(grid.passable, grid.shape[1], seeds[-1], apart, steps[0], steps[1], steps[2], waiting, touched)
         far = int(farthest(grid.passable, apart, density))
         if (len(seeds) >= count and np.isfinite(apart[far])) or apart[far] == 0.0:
             return np.array(seeds)
