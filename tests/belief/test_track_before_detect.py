@@ -29,7 +29,7 @@ def by_pair(track, pairs):
 def test_a_track_is_that_of_dense_matrices_while_the_graph_grows(seed, absent, decay, rest):
     rng = np.random.default_rng(seed)
     graph = random_graph(rng)
-    walk = TargetWalk(rest)
+    walk = TargetWalk(rest, rest_again=rest / 2)
     track = begun(TargetStates(graph), walk, absent=absent, decay=decay)
     detected = np.zeros(graph.n_nodes, bool)
     told, nothing = {}, 1.0  # p(s) by pair, p(phi)

@@ -19,7 +19,8 @@ def walk_matrix(graph, detected, walk):
         if not on:
             matrix[pairs.index((node, node)), column] = 1.0
             continue
-        matrix[pairs.index((node, node)), column] = walk.rest
+        rest = walk.rest_again if before == node else walk.rest
+        matrix[pairs.index((node, node)), column] = rest
         weights = []
         for row in on:
             if before == node:
@@ -30,7 +31,7 @@ def walk_matrix(graph, detected, walk):
             turn = np.arccos(np.clip(cosine, -1.0, 1.0))
             above = (walk.turn_shape - walk.turn_scale / np.pi) * turn + 1 + walk.turn_scale
             weights.append(above / (1 + walk.turn_shape * turn))
-        matrix[on, column] = (1 - walk.rest) * np.array(weights) / sum(weights)
+        matrix[on, column] = (1 - rest) * np.array(weights) / sum(weights)
     return pairs, matrix
 
 

@@ -46,9 +46,10 @@ def test_at_a_crossing_the_turn_decides():
 
 
 def test_a_resting_target_leaves_in_every_direction_alike():
-    next_node = row(CROSS, TargetWalk(rest=0.2).weights(CROSS), 2, 2)
-    assert np.isclose(next_node.pop(2), 0.2)
-    assert np.allclose(list(next_node.values()), 0.2)
+    for again, stays, goes in ((0.0, 0.0, 0.25), (0.6, 0.6, 0.1), (None, 0.2, 0.2)):
+        next_node = row(CROSS, TargetWalk(rest=0.3, rest_again=again).weights(CROSS), 2, 2)
+        assert np.isclose(next_node.pop(2), stays)
+        assert np.allclose(list(next_node.values()), goes)
 
 
 def test_a_target_at_a_lone_node_stays():
@@ -111,6 +112,7 @@ def test_one_seed_one_walk():
         ({"rest": 1.0}, "probability to rest of 1.0"),
         ({"rest": -0.1}, "probability to rest"),
         ({"rest": float("nan")}, "probability to rest"),
+        ({"rest_again": 1.1}, "probability to rest again of 1.1"),
         ({"turn_scale": -1.0}, "scale of turns"),
         ({"turn_shape": 0.0}, "shape of turns"),
     ],

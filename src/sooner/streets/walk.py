@@ -25,8 +25,9 @@ class TargetWalk:
     q(s | s') = p_s                  for s the rest at the node of s'
                 (1 - p_s) w(s, s')   for s on from there to a node that touches it
 
-    w falls with the turn from s' to s; from rest it is the same in every direction. Where no node touches, the target
-    stays. A walk alone goes straight on twice as often as straight back.
+    w falls with the turn from s' to s. From rest it is the same in every direction, and eq. (1) does not hold: a target
+    at rest goes on in the next step. Where no node touches, it stays. A walk alone goes straight on twice as often as
+    straight back.
 
     Parameters
     ----------
@@ -35,10 +36,17 @@ class TargetWalk:
     turn_shape : float       c_d > 0
     bias : callable or None  (states, weights) -> weights: what w is multiplied by before it is made to total one, for
                              each transition; its entries at rest are left alone. `Evasive` is one
+    rest_again : float or None    probability, in [0, 1], that a target at rest stays so for another step; None: as
+                             great as that of going to any one neighbour
 
     Raises
     ------
     InvalidProblemError      if a parameter is out of its range, or the bias gives no numbers, or negative ones
+
+    Notes
+    -----
+    The paper gives eq. (1) for states that are not rest, and "a uniform probability ... to all neighboring states" for
+    those that are. Whether a rest state is its own neighbour it does not say; its figures are nearest if it is none.
 
     Examples
     --------
@@ -54,10 +62,13 @@ class TargetWalk:
     turn_scale: float = 1.0
     turn_shape: float = 0.1
     bias: Bias | None = None
+    rest_again: float | None = 0.0
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.rest < 1.0:
             raise InvalidProblemError(f"a probability to rest of {self.rest} came; expected a number in [0, 1)")
+        if self.rest_again is not None and not 0.0 <= self.rest_again <= 1.0:
+            raise InvalidProblemError(f"a probability to rest again of {self.rest_again} came; expected one in [0, 1]")
         if not (np.isfinite(self.turn_scale) and self.turn_scale >= 0.0):
             raise InvalidProblemError(f"a scale of turns of {self.turn_scale} came; expected a number of at least 0")
         if not (np.isfinite(self.turn_shape) and self.turn_shape > 0.0):
@@ -73,9 +84,16 @@ class TargetWalk:
             w = w * _biased(self.bias, states, w)
         w = np.where(to_rest, 0.0, w)
         totals = np.bincount(rows, w, states.n_states)
-        moves = np.where(totals > 0.0, 1.0 - self.rest, 0.0)
+        moves = np.where(totals > 0.0, np.where(states.is_rest, self._leaves(states), 1.0 - self.rest), 0.0)
         on = w * (moves / np.where(totals > 0.0, totals, 1.0))[rows]
         return np.where(to_rest, (1.0 - moves)[rows], on)
+
+    def _leaves(self, states: TargetStates) -> NDArray[np.float64]:
+        """(S,) float: probability to leave rest, at the node of each state."""
+        if self.rest_again is None:
+            degrees = states.graph.degrees[states.current]
+            return np.asarray(degrees / (degrees + 1.0))
+        return np.full(states.n_states, 1.0 - self.rest_again)
 
     def started(self, states: TargetStates, rng: Generator, n_targets: int = 1) -> NDArray[np.int64]:
         """(targets,) int64: states at rest, at nodes drawn uniformly."""
