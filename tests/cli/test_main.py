@@ -57,7 +57,7 @@ def test_what_is_not_known_cannot_be_cited(sooner):
     assert "'Nobody1900' came" in ended.err
 
 
-@pytest.mark.parametrize("paper", ["wolek2020", "nobody1900"])
+@pytest.mark.parametrize("paper", ["lin2015", "nobody1900"])
 def test_a_paper_that_is_not_there_is_refused(sooner, paper, tmp_path):
     ended = sooner("reproduce", paper, "--data", tmp_path)
     assert ended.status == 2
