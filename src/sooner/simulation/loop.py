@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -80,7 +81,7 @@ class _Flight:
         scene, team = self.scene, self.scene.team
         v_max, a_max, capture = team.v_max, team.a_max, self.strategy.capture * team.radius_m
         rng = generator(self.seed, Purpose.STRATEGY)
-        session = None
+        session, watch = None, None
         from sooner.simulation._flight_kernels import fly
 
         for second in range(scene.seconds):
@@ -91,8 +92,12 @@ class _Flight:
                 situation = self._situation(second)
                 if session is None:
                     session = self.strategy.session(situation, rng)
+                    watch = getattr(session, "watch", None)
+                self._watched_by(watch)
                 self.routes.take(session.routes(situation), situation.routes)
                 self.plans.append(self.routes.left)
+            else:
+                self._watched_by(watch)
             self._snapshot(second)
             self.truth.move(second, self.places)
             routes = self.routes
@@ -113,6 +118,12 @@ class _Flight:
         if above and (not self.above or scene.estimator.detector == "cbht"):
             self.calls.append(Call(second, cell, self._target_near(second, cell)))
         self.above = above
+
+    def _watched_by(self, watch: Callable[[NDArray[np.int32], NDArray[np.float64]], None] | None) -> None:
+        """A session that keeps a belief of its own is shown this second's looks for a target."""
+        if watch is not None:
+            now = slice(self.log.start, self.log.end)
+            watch(self.log.cells[now], self.log.target_ratios[now])
 
     def _target_near(self, second: int, cell: int) -> int:
         """The nearest target within the largest radius of view of a cell's centre, -1 if there is none."""

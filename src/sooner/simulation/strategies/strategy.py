@@ -51,7 +51,11 @@ class Situation:
 
 
 class Session(Protocol):
-    """A strategy at work in one search; it may remember."""
+    """A strategy at work in one search; it may remember.
+
+    It may have a method `watch(cells, target_ratios)` as well, which is shown the looks of every second, those of a
+    replan before the replan: (k,) int32 cells, and P(level | target) / P(level | none) of what was read there.
+    """
 
     def routes(self, situation: Situation) -> Routes:
         """New routes; `situation.routes` itself to go on unchanged."""

@@ -1,0 +1,242 @@
+"""The whole team's whole remaining mission at once: routes that bring into view soon what is likely to be there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from sooner.errors import InvalidProblemError
+from sooner.grid import Grid
+from sooner.simulation.agents import Agent, Team
+from sooner.simulation.ground import area
+from sooner.simulation.strategies.lawnmower import lanes, rectangles
+from sooner.simulation.strategies.presence import Presence
+from sooner.simulation.strategies.strategy import Routes, Situation
+
+__all__ = ["Joint", "JointSession", "lane_layouts", "route_value"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Hill climbing over the routes of all agents until the end of the mission, from lanes, and on at every replan.
+
+    J = sum_c w_c (T - f_c)^+,   w_c = n_c / N + target b_c
+
+    with f_c the second of a cell's first view by any agent, T the seconds left, n_c the probability of a node not yet
+    detected, N the nodes detected and expected, b_c the target's probability (see `Presence`). Agents are flown with
+    their own controllers, a quarter of a second at a time.
+
+    Parameters
+    ----------
+    capture : float            share of the radius within which a waypoint is reached
+    reach : float              share of the radius that counts as seen
+    target : float             what finding the target is worth against all nodes, until it is detected
+    rounds : int               a replan
+    first_rounds : int         at the first
+    moves : int                tried for each agent in a round
+    crossings : int            moves between two agents tried in a round
+    waypoints : int            of a route at most
+
+    Raises
+    ------
+    InvalidProblemError        if a number makes no sense
+
+    Examples
+    --------
+    >>> Joint().rounds, Joint(rounds=3).rounds
+    (1, 3)
+    """
+
+    capture: float = 0.5
+    reach: float = 1.0
+    target: float = 2.0
+    rounds: int = 1
+    first_rounds: int = 30
+    moves: int = 40
+    crossings: int = 10
+    waypoints: int = 64
+
+    def __post_init__(self) -> None:
+        for name in ("capture", "reach"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0.0):
+                raise InvalidProblemError(f"{name} = {value} came; expected a positive number")
+        if not (np.isfinite(self.target) and self.target >= 0.0):
+            raise InvalidProblemError(f"target = {self.target} came; expected at least 0")
+        for name in ("rounds", "first_rounds", "moves", "crossings"):
+            if getattr(self, name) < 0:
+                raise InvalidProblemError(f"{name} = {getattr(self, name)} came; expected at least 0")
+        if self.waypoints < 2:
+            raise InvalidProblemError(f"{self.waypoints} waypoints came; expected at least 2")
+
+    def starts(self, grid: Grid, agents: tuple[Agent, ...], drawn: Floats) -> Floats:
+        """On the perimeter, as drawn."""
+        return drawn
+
+    def session(self, situation: Situation, rng: Generator) -> JointSession:
+        """Begin a search."""
+        return JointSession(self, situation, rng)
+
+
+@dataclass(eq=False)
+class JointSession:
+    """Routes of the team, bettered at every replan.
+
+    value : float        J of the routes of the last replan
+    """
+
+    strategy: Joint
+    situation: Situation
+    rng: Generator
+    value: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        team, grid = Team(self.situation.agents), self.situation.grid
+        self._presence = Presence(grid, self.situation.states)
+        self._low, self._high = area(grid)
+        self._shape = np.array(grid.shape, np.int64)
+        self._bodies = bodies(team, grid, self.strategy.capture, self.strategy.reach)
+        self._weights = np.empty(grid.n_cells)
+        self._dice = dice(self.rng)
+        self._begun = False
+
+    def watch(self, cells: NDArray[np.int32], target_ratios: Floats) -> None:
+        """Take in one second's looks for a target."""
+        self._presence.watch(cells, target_ratios)
+
+    def routes(self, situation: Situation) -> Routes:
+        """Routes until the end of the mission."""
+        from sooner.simulation.strategies._coverage_kernels import improve
+
+        strategy, states = self.strategy, situation.states
+        self._presence.states = states
+        self._presence.weigh(0.0 if situation.detected_target else strategy.target, self._weights)
+        seconds = int(situation.end_s - situation.now_s)
+        rounds, routes = strategy.rounds, situation.routes
+        if not self._begun:
+            rounds, routes = strategy.first_rounds, self._lanes(situation, seconds)
+            self._begun = True
+        packed, lengths = pack(routes, strategy.waypoints)
+        self.value = improve(
+            _starts(situation), self._bodies, packed, lengths, seconds, self._shape, float(situation.grid.cell_m),
+            self._low, self._high, self._weights, rounds, strategy.moves, strategy.crossings, self._dice,
+        )  # fmt: skip
+        return tuple(route[:length].copy() for route, length in zip(packed, lengths, strict=True))
+
+    def _lanes(self, situation: Situation, seconds: int) -> Routes:
+        """The best of the layouts of lanes, each with its parts shared out as well as may be."""
+        from sooner.simulation.strategies._task_kernels import most_valuable
+
+        best, most = situation.routes, -1.0
+        for parts in lane_layouts(situation.grid, situation.agents):
+            values = np.empty((len(situation.agents), len(parts)))
+            choices = np.empty(values.shape, np.int64)
+            for part, ways in enumerate(parts):
+                alone = self._alone(situation, ways, seconds)
+                values[:, part], choices[:, part] = alone.max(axis=0), alone.argmax(axis=0)
+            chosen = np.empty(len(parts), np.int64)
+            most_valuable(values, chosen)
+            routes = tuple(parts[part][choices[agent, part]] for agent, part in enumerate(chosen))
+            value = self._value(situation, routes, seconds)[0]
+            if value > most:
+                best, most = routes, value
+        return best
+
+    def _alone(self, situation: Situation, ways: Routes, seconds: int) -> Floats:
+        """(ways, A) float: what each way is worth to each agent by itself."""
+        n_agents = len(situation.agents)
+        return np.array([self._value(situation, (way,) * n_agents, seconds)[1] for way in ways])
+
+    def _value(self, situation: Situation, routes: Routes, seconds: int) -> tuple[float, Floats]:
+        from sooner.simulation.strategies._coverage_kernels import value_of
+
+        alone = np.empty(len(routes))
+        packed, lengths = pack(routes, self.strategy.waypoints)
+        value = value_of(
+            _starts(situation), self._bodies, packed, lengths, seconds, self._shape, float(situation.grid.cell_m),
+            self._weights, alone,
+        )  # fmt: skip
+        return value, alone
+
+
+def route_value(
+    grid: Grid,
+    agents: tuple[Agent, ...],
+    places_m: Floats,
+    routes: Routes,
+    weights: Floats,
+    seconds: int,
+    *,
+    capture: float = 0.5,
+    reach: float = 1.0,
+) -> float:
+    """J of routes that agents fly from rest.
+
+    >>> grid, east = Grid((1, 9), "square8", 5.0), np.array([[40.0, 0.0]])
+    >>> route_value(grid, (Agent(),), np.zeros((1, 2)), (east,), np.eye(9)[8], 60) > 40.0
+    True
+    """
+    from sooner.simulation.strategies._coverage_kernels import value_of
+
+    packed, lengths = pack(routes, max(max(len(route) for route in routes), 1))
+    starts = np.hstack([places_m, np.zeros_like(places_m)])
+    body = bodies(Team(agents), grid, capture, reach)
+    shape = np.array(grid.shape, np.int64)
+    room = np.empty(len(agents))
+    return float(value_of(starts, body, packed, lengths, seconds, shape, float(grid.cell_m), weights, room))
+
+
+def lane_layouts(grid: Grid, agents: tuple[Agent, ...]) -> list[list[Routes]]:
+    """Ways to cut the ground into as many parts as agents, and for each part the ways to sweep it, lane by lane.
+
+    Bands, columns, and rectangles as `rectangles` cuts them; lanes north to south or east to west, from each corner.
+    """
+    low, high = area(grid)
+    n = len(agents)
+    width = 2.0 * min(agent.radius_m for agent in agents)
+    layouts = []
+    for across, up in ((1, n), (n, 1)):
+        size = (high - low) / (across, up)
+        layouts.append([(low + size * (e, u), low + size * (e + 1, u + 1)) for u in range(up) for e in range(across)])
+    layouts.append(rectangles(grid, n))
+    return [[_sweeps(*part, width) for part in layout] for layout in layouts]
+
+
+def _sweeps(low: Floats, high: Floats, width: float) -> Routes:
+    ways = []
+    for east, north in product((False, True), repeat=2):
+        corner = np.where([east, north], high, low)
+        ways.append(lanes(low, high, corner, width, 0.5))
+        ways.append(lanes(low[::-1], high[::-1], corner[::-1], width, 0.5)[:, ::-1])
+    return tuple(ways)
+
+
+def bodies(team: Team, grid: Grid, capture: float, reach: float) -> Floats:
+    """(A, 4) float: v_max, a_max, metres at which a waypoint is reached, radius of view in cells."""
+    return np.column_stack(
+        [team.v_max, team.a_max, capture * team.radius_m, reach * team.radius_m / float(grid.cell_m)]
+    )
+
+
+def dice(rng: Generator) -> NDArray[np.uint64]:
+    """(2,) uint64: a key for random numbers in kernels, and how many were drawn."""
+    return np.array([rng.integers(1 << 62), 0], np.uint64)
+
+
+def pack(routes: Routes, most: int) -> tuple[Floats, NDArray[np.int64]]:
+    """(A, most, 2) waypoints and (A,) int64 lengths; what is beyond the most is left out."""
+    packed = np.zeros((len(routes), most, 2))
+    lengths = np.array([min(len(route), most) for route in routes], np.int64)
+    for agent, length in enumerate(lengths):
+        packed[agent, :length] = routes[agent][:length]
+    return packed, lengths
+
+
+def _starts(situation: Situation) -> Floats:
+    return np.hstack([situation.places_m, situation.velocities_mps])
