@@ -1,7 +1,8 @@
 import pytest
 
 from sooner.missions import read_mission
-from sooner.scenarios import SCENARIOS
+from sooner.missions.over_waypoints import read_street_mission
+from sooner.scenarios import SCENARIOS, STREET_SCENARIOS
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
@@ -12,8 +13,16 @@ def test_a_scenario_is_written_ready_to_plan(sooner, tmp_path, name):
     assert read_mission(tmp_path / "out" / "mission.toml").problem.searcher.budget >= 100
 
 
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_search_over_streets_is_written_ready_to_fly(sooner, tmp_path, seed):
+    assert sooner("scenario", "street-grid", "--out", tmp_path, "--seed", seed).status == 0
+    scene = read_street_mission(tmp_path / "mission.toml").scene
+    assert (scene.seconds, len(scene.agents), scene.world.n_targets) == (240, 4, 1)
+
+
 def test_scenarios_are_listed(sooner):
-    assert [line.split()[0] for line in sooner("scenario").out.splitlines()] == list(SCENARIOS)
+    listed = [line.split()[0] for line in sooner("scenario").out.splitlines()]
+    assert listed == [*SCENARIOS, *STREET_SCENARIOS]
 
 
 def test_an_unknown_scenario_is_refused(sooner, tmp_path):

@@ -140,7 +140,14 @@ BAD = {
     "regions that are not flown": (MISSION + "[regions]\n", "regions", 'searcher.moves = "regions"'),
     "later: radius": (spoiled("glimpse = 0.5", "radius_m = 8"), "sensor.radius_m", "does not do yet"),
     "later: acceleration": (spoiled(START, START + "\naccel_mps2 = 2"), "searcher[0].accel_mps2", "does not do yet"),
-    "later: waypoints": (spoiled(START, START + '\nmoves = "waypoints"'), "searcher[0].moves", "does not do yet"),
+    "waypoints": (spoiled(START, START + '\nmoves = "waypoints"'), "searcher[0].moves", "which nobody plans ahead"),
+    "streets over cells": (spoiled(POC, POC + '\nstreets = "s.json"'), "area.streets", 'searcher.moves = "waypoints"'),
+    "a target over cells": (MISSION + "[target]\ncount = 1\n", "target", 'searcher.moves = "waypoints"'),
+    "an unknown key of links": (
+        MISSION + "[links]\nrange = 1\n[[searcher]]\nstart = [0, 0]\nspeed_mps = 12.0\n",
+        "links.range",
+        "expected one of range_m",
+    ),
     "later: unlike moves": (
         REGIONS.replace("[budget]", "[[searcher]]\nstart = [1, 1]\nspeed_mps = 5.0\naccel_mps2 = 2.0\n[budget]"),
         "searcher[1].moves",

@@ -106,6 +106,30 @@ def evaluate(
 
 
 @app.command()
+def simulate(
+    mission: MissionFile,
+    trials: Annotated[int, typer.Option(help="Flights, by the seeds SEED, SEED + 1, ...", min=1)] = 100,
+    seed: Annotated[int, typer.Option(help="Of the first flight.", min=0)] = 0,
+    workers: Annotated[int, typer.Option(help="Processes that fly at once; the answer is the same.", min=1)] = 1,
+    strategy: Annotated[str | None, typer.Option(help="Over waypoints: how the team flies.")] = None,
+    planner: Annotated[str | None, typer.Option(help="Else: a name that `sooner planners` lists.")] = None,
+    seconds: Annotated[float | None, typer.Option(help="Else: planning time, 10 if left out.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the trials, an episode and its picture.")] = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    force: Force = False,
+) -> Work:
+    """Fly a mission many times against what is hidden from it, and tell what was found, when, and what was wrong.
+
+    Over waypoints a strategy plans while it flies. Else a plan is made as by `sooner plan` and flown against people
+    drawn from the map: what it finds stands beside what it promised.
+    Writes trials.csv, simulation.json and a picture to --out (left out: a folder MISSION-simulation).
+    """
+    asked = (trials, seed, workers, strategy, planner, seconds)
+    return partial(_run, "simulate", "simulate", mission, asked, out, json, quiet, force)
+
+
+@app.command()
 def planners(json: Json = False) -> Work:
     """List the planners, with when to choose which."""
     return partial(_run, "lists", "planners", json)

@@ -10,7 +10,17 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from sooner.errors import DataFormatError, Fault
-from sooner.missions.settings import CameraSettings, Cutting, Searching, Settings
+from sooner.missions.settings import (
+    CameraSettings,
+    Cutting,
+    Estimating,
+    Hearing,
+    Place,
+    Searching,
+    Settings,
+    TargetSettings,
+    Window,
+)
 
 __all__ = ["Faults"]
 
@@ -74,7 +84,16 @@ def _schema_faults(file: str, raw: dict[str, Any], found: Iterable[ErrorDetails]
     return faults
 
 
-_TABLES: dict[str, type[BaseModel]] = {"searcher": Searching, "camera": CameraSettings, "regions": Cutting}
+_TABLES: dict[str, type[BaseModel]] = {
+    "searcher": Searching,
+    "camera": CameraSettings,
+    "regions": Cutting,
+    "links": Hearing,
+    "target": TargetSettings,
+    "estimator": Estimating,
+    "window": Window,
+    "south_west": Place,
+}
 _BRANCHES = {"str", "float", "list[int]", "Place", "constrained-list", "list[constrained-int]"}
 
 

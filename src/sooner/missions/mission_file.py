@@ -16,7 +16,7 @@ from sooner.missions.layers import Layers
 from sooner.missions.over_cells import OverCells
 from sooner.missions.over_regions import OverRegions
 from sooner.missions.places import places
-from sooner.missions.settings import Settings, not_yet
+from sooner.missions.settings import Settings, misplaced, not_yet
 from sooner.missions.sight import Sight
 from sooner.problem import SearchProblem
 
@@ -81,7 +81,14 @@ def read_mission(path: Path) -> Mission:
     """
     faults = Faults(path)
     settings = faults.settings(read_toml(path, "expected a mission file in TOML"))
+    if settings.over_waypoints:
+        number = [searcher.moves for searcher in settings.searcher].index("waypoints")
+        expected = "expected 'cells' or 'regions'; `sooner simulate` flies to waypoints"
+        faults.add(f"searcher[{number}].moves", "'waypoints' came, which nobody plans ahead", expected)
+        faults.refuse()
     _check_required(faults, settings)
+    for fault in misplaced(settings, str(path)):
+        faults.add(fault.key, fault.came, fault.expected)
     for fault in not_yet(settings, str(path)):
         faults.add(fault.key, fault.came, fault.expected)
     layers = Layers.read(faults, settings)

@@ -10,11 +10,14 @@ from sooner.missions.settings import (
     Budget,
     CameraSettings,
     Cutting,
+    Estimating,
     Hearing,
     Place,
     Searching,
     Sensor,
     Settings,
+    TargetSettings,
+    Window,
     Wish,
 )
 
@@ -59,20 +62,43 @@ seconds = 1500
 [objective]
 kind = "information"          # or "detection"
 ```
+
+A team that maps streets which nobody knows, and hunts whoever walks on them; `sooner simulate` flies it:
+
+```toml
+[area]
+streets = "streets.json"      # the truth, or an OpenStreetMap extract; the team does not know it
+[target]                      # left out: nobody is there
+bias = "evasive"
+[estimator]
+detector = "lrdt"
+[sensor]
+radius_m = 12.5
+[[searcher]]                  # one table for each drone
+moves = "waypoints"
+speed_mps = 3.0
+accel_mps2 = 2.0
+[budget]
+seconds = 240
+replan_s = 5
+```
 """
 
 _TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[area]", Area),
+    ("[area.window]", Window),
     ("[sensor]", Sensor),
     ("[sensor.camera]", CameraSettings),
     ("[[searcher]]", Searching),
     ("[budget]", Budget),
     ("[objective]", Wish),
+    ("[target]", TargetSettings),
+    ("[estimator]", Estimating),
     ("[regions]", Cutting),
     ("[links]", Hearing),
 )
 
-_WORDS = {list: "[row, col]", Place: "{lat, lon}", CameraSettings: "table"}
+_WORDS = {list: "[row, col]", Place: "{lat, lon}", CameraSettings: "table", Window: "table"}
 
 
 def reference_page() -> str:
@@ -92,7 +118,8 @@ def reference_page() -> str:
         "takes `cell_m / speed_mps` (on `square8` the length of a diagonal counts for every step, so that no flight "
         "takes longer than it says), and the budget is the steps that fit. Flight is level and at constant speed; "
         "turns cost no time in this version. Over regions seconds are those of a drone that speeds up, brakes and "
-        "turns within its limits: no flight takes longer than its plan says."
+        "turns within its limits: no flight takes longer than its plan says. Over waypoints all look, and targets take "
+        "a step, once a second."
     )
     parts.append(
         "## What values count\n\nOver `poc`, detection is the probability of having found the person. Over `evidence` "

@@ -15,12 +15,16 @@ __all__ = [
     "Budget",
     "CameraSettings",
     "Cutting",
+    "Estimating",
     "Hearing",
     "Place",
     "Searching",
     "Sensor",
     "Settings",
+    "TargetSettings",
+    "Window",
     "Wish",
+    "misplaced",
     "not_yet",
 ]
 
@@ -29,6 +33,9 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Metres = Annotated[float, Field(ge=0.001, le=1_000_000, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Speed = Annotated[float, Field(ge=0.001, le=1_000, allow_inf_nan=False)]
+
+Share = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)]
+Sensitivity = Annotated[float, Field(ge=0, le=30, allow_inf_nan=False)]
 
 MAX_STEPS = 200_000
 
@@ -45,6 +52,18 @@ class Place(_Table):
     lon: float = Field(default=0.0, ge=-180, le=180, description="degrees east")
 
 
+class Window(_Table):
+    """`[area.window]`: the part of an OpenStreetMap extract that is searched; left out: all that its bounds hold."""
+
+    rows: Annotated[int, Field(strict=True, ge=1)] | None = Field(default=None, description="cells from north to south")
+    cols: Annotated[int, Field(strict=True, ge=1)] | None = Field(default=None, description="cells from west to east")
+    south_west: Place | None = Field(
+        default=None, description="{ lat = 46.1, lon = 11.2 } of its corner; left out: the extract's"
+    )
+    scale: Positive = Field(default=1.0, description="real metres that become one metre of the map")
+    cut: bool = Field(default=False, description="end streets where the extract lacks their nodes; else a fault")
+
+
 class Area(_Table):
     """`[area]`: where the person may be."""
 
@@ -57,8 +76,15 @@ class Area(_Table):
     evidence: str | None = Field(
         default=None, description="instead of `poc`: raster of P(a target is in this cell), each cell by itself"
     )
+    streets: str | None = Field(
+        default=None,
+        description="over waypoints, instead of `poc`: true streets, an occupancy graph (.json) or an OpenStreetMap "
+        "extract (.osm, .pbf); the team does not know them",
+    )
+    window: Window | None = Field(default=None, description="of an extract: a table, as below")
     cell_m: Metres | None = Field(
-        default=None, description="metres between cell centres, where the raster has no georeference"
+        default=None,
+        description="metres between cell centres, where the raster has no georeference; of an extract, 5 if left out",
     )
     obstacles: str | None = Field(default=None, description="raster; non-zero cells cannot be entered")
     grid: Literal["square4", "square8", "hex"] = Field(
@@ -108,7 +134,19 @@ class Sensor(_Table):
         default=2.0, description="of model `beta`: how many looks the evidence stands for; 2 with theta 0.5: any rate"
     )
     radius_m: Positive | None = Field(
-        default=None, description="over regions: cells with centres so near to the path are looked at (or `camera`)"
+        default=None,
+        description="over regions: cells with centres so near to the path are looked at (or `camera`); over waypoints: "
+        "all cells with centres so near are looked at every second",
+    )
+    map_sensitivity: Sensitivity = Field(
+        default=4.0,
+        description="over waypoints: standard deviations by which a look at a street stands out from one beside it",
+    )
+    target_sensitivity: Sensitivity = Field(
+        default=4.0, description="over waypoints: likewise of a look at a target; 0 is blind"
+    )
+    levels: Annotated[int, Field(strict=True, ge=2, le=1000)] = Field(
+        default=25, description="over waypoints: how many different answers a look can give"
     )
     camera: CameraSettings | None = Field(
         default=None, description="over regions, instead of `radius_m`: a table, as below"
@@ -123,21 +161,28 @@ class Searching(_Table):
 
     start: Cell | Place | None = Field(
         default=None,
-        description="[row, col] where it starts (required), or { lat = 46.1, lon = 11.2 } on a georeferenced map",
+        description="[row, col] where it starts (required), or { lat = 46.1, lon = 11.2 } on a georeferenced map; over "
+        "waypoints all may leave it out, and start on the edge of the map, as drawn by the seed or the strategy",
     )
     end: Cell | Place | None = Field(default=None, description="where it must be at the end, likewise")
     moves: Literal["cells", "regions", "waypoints"] = Field(
         default="cells",
-        description="`cells`: a cell a step; `regions`: whole regions, with true accelerations (`waypoints`: not yet)",
+        description="`cells`: a cell a step; `regions`: whole regions, with true accelerations; `waypoints`: anywhere, "
+        "mapping unknown `streets`, as `sooner simulate` flies it",
     )
     kind: Literal["copter", "fixed_wing"] = Field(
         default="copter", description="a copter may hover; a fixed wing neither hovers nor turns straight back"
     )
     speed_mps: Speed | None = Field(
         default=None,
-        description="metres a second; over cells the same for all, turns steps into seconds; over regions the most",
+        description="metres a second; over cells the same for all, turns steps into seconds; else the most",
     )
-    accel_mps2: Speed | None = Field(default=None, description="over regions: the most, metres a second squared")
+    accel_mps2: Speed | None = Field(
+        default=None, description="over regions and waypoints: the most, metres a second squared"
+    )
+    radius_m: Positive | None = Field(default=None, description="over waypoints: its own, instead of the sensor's")
+    map_sensitivity: Sensitivity | None = Field(default=None, description="over waypoints: likewise")
+    target_sensitivity: Sensitivity | None = Field(default=None, description="over waypoints: likewise")
 
 
 class Budget(_Table):
@@ -147,7 +192,11 @@ class Budget(_Table):
         default=None, description="moves from cell to cell, at least 1"
     )
     seconds: Positive | None = Field(
-        default=None, description="flying time; needs `cell_m` and `speed_mps`, over regions `accel_mps2` too"
+        default=None,
+        description="flying time; needs `cell_m` and `speed_mps`, over regions `accel_mps2` too; over waypoints whole",
+    )
+    replan_s: Annotated[int, Field(strict=True, ge=1)] | None = Field(
+        default=None, description="over waypoints: seconds from one plan to the next, 5 if left out"
     )
 
 
@@ -169,6 +218,47 @@ class Wish(_Table):
         default=None,
         description="over regions: give up at most 0.5 % of the total to have the rest sooner. Left out: so for "
         "detection, as a find counts when it is made; not for information, which is read after the flight",
+    )
+
+
+class TargetSettings(_Table):
+    """`[target]`: who walks on the streets, over waypoints; left out, nobody does, and what is called is false.
+
+    A target begins at a node drawn by the seed and takes a step a second [Wolek2020, eq. (1), (2)].
+    """
+
+    count: Annotated[int, Field(strict=True, ge=0, le=1000)] = Field(default=1, description="how many there are")
+    rest: float = Field(default=0.5, ge=0, lt=1, description="probability to rest in a second")
+    turn_scale: NotNegative = Field(
+        default=1.0, description="how much rather it goes on than back: 1 + this times as likely; 0: all the same"
+    )
+    turn_shape: Positive = Field(default=0.1, description="how that falls off with the angle of the turn")
+    bias: Literal["none", "evasive"] = Field(default="none", description="`evasive`: it shies away from drones")
+    reach_m: Positive = Field(default=12.5, description="of bias `evasive`: how far off it notices a drone")
+    boldness: float = Field(
+        default=0.05,
+        gt=0,
+        le=1,
+        description="of bias `evasive`: how likely a step beneath a drone still is; 1: no fear",
+    )
+
+
+class Estimating(_Table):
+    """`[estimator]`: what the team makes of its looks, over waypoints."""
+
+    detector: Literal["cbht", "lrdt"] = Field(
+        default="lrdt",
+        description="`cbht` tests each cell by itself; `lrdt` tracks a target along the streets before it is detected",
+    )
+    prior: Literal["uniform", "kriged", "known"] = Field(
+        default="uniform",
+        description="of streets in cells that nobody has seen: the same everywhere, foretold from those seen, or known",
+    )
+    void: Share = Field(default=0.9, description="prior probability that a cell holds no street")
+    absent: Share = Field(default=0.5, description="prior probability that there is no target")
+    odds: Positive = Field(default=19.0, description="at which a street or a target is detected; 19 is 95 %")
+    decay: float = Field(
+        default=0.1, gt=0, le=1, description="of `lrdt`: how fast what was seen of a target is forgotten, a second"
     )
 
 
@@ -235,6 +325,8 @@ class Settings(_Table):
     searcher: list[Searching] = []
     budget: Budget = Budget()
     objective: Wish = Wish()
+    target: TargetSettings | None = None
+    estimator: Estimating | None = None
     regions: Cutting | None = None
     links: Hearing | None = None
 
@@ -244,11 +336,56 @@ class Settings(_Table):
         return any(searcher.moves == "regions" for searcher in self.searcher)
 
     @property
+    def over_waypoints(self) -> bool:
+        """Whether drones fly to waypoints over unknown streets; all do, or none."""
+        return any(searcher.moves == "waypoints" for searcher in self.searcher)
+
+    @property
     def wants_early(self) -> bool:
         """Whether a plan is to be brought forward."""
         if not self.over_regions or self.objective.detection_target is not None:
             return False
         return self.objective.kind == "detection" if self.objective.early is None else self.objective.early
+
+
+# What only a search over waypoints knows, and all that it knows, by table.
+_STREET_KEYS: dict[str, set[str]] = {
+    "area": {"streets", "window"},
+    "sensor": {"map_sensitivity", "target_sensitivity", "levels"},
+    "searcher": {"radius_m", "map_sensitivity", "target_sensitivity"},
+    "budget": {"replan_s"},
+    "objective": set(),
+}
+_SHARED_KEYS: dict[str, set[str]] = {
+    "area": {"cell_m"},
+    "sensor": {"radius_m"},
+    "searcher": {"start", "moves", "kind", "speed_mps", "accel_mps2"},
+    "budget": {"seconds"},
+    "objective": set(),
+}
+
+
+def misplaced(settings: Settings, file: str) -> list[Fault]:
+    """Faults for keys that mean nothing with the moves that the file gives."""
+    flown, faults = settings.over_waypoints, []
+    expected = (
+        "expected it left out: drones that fly to waypoints search streets"
+        if flown
+        else ('expected it left out, or searcher.moves = "waypoints"')
+    )
+    came = 'it came, and moves = "waypoints"' if flown else "it came"
+    tables: list[tuple[str, str, BaseModel]] = [
+        (name, name, getattr(settings, name)) for name in ("area", "sensor", "budget", "objective")
+    ]
+    tables += [(f"searcher[{number}]", "searcher", each) for number, each in enumerate(settings.searcher)]
+    for key, name, table in tables:
+        own, shared = _STREET_KEYS[name], _SHARED_KEYS[name]
+        wrong = table.model_fields_set - own - shared if flown else table.model_fields_set & own
+        faults += [Fault(file, f"{key}.{each}", came, expected) for each in type(table).model_fields if each in wrong]
+    for name in ("regions", "links") if flown else ("target", "estimator"):
+        if getattr(settings, name) is not None:
+            faults.append(Fault(file, name, came, expected))
+    return faults
 
 
 def not_yet(settings: Settings, file: str) -> list[Fault]:
@@ -278,9 +415,7 @@ def not_yet(settings: Settings, file: str) -> list[Fault]:
 
 
 def _refuse_searcher(key: str, searcher: Searching, first: Searching, refuse: Callable[[str, str, str], None]) -> None:
-    if searcher.moves == "waypoints":
-        refuse(f"{key}.moves", "'waypoints'", "give 'cells' or 'regions'")
-    elif searcher.moves != first.moves:
+    if searcher.moves != first.moves:
         refuse(f"{key}.moves", f"'{searcher.moves}' beside '{first.moves}'", "give all the same")
     if searcher.moves == "regions" and searcher.kind == "fixed_wing":
         refuse(f"{key}.kind", "a fixed wing over regions", "give 'copter': it stops where it turns")

@@ -13,27 +13,31 @@ from sooner.scenarios.natural import (
     natural_environments,
     starts,
 )
-from sooner.scenarios.registry import SCENARIOS, make_scenario
+from sooner.scenarios.registry import SCENARIOS, STREET_SCENARIOS, make_scenario, make_street_scenario
 from sooner.scenarios.rough_ground import RoughGround, rough_ground
 from sooner.scenarios.rugged_ridge import rugged_ridge
 from sooner.scenarios.scenario import Scenario
 from sooner.scenarios.simplex_noise import elevation, simplex_noise
 from sooner.scenarios.street_grid import STREET_KINDS, street_grid
+from sooner.scenarios.street_search import StreetSearch, street_search
 
 __all__ = [
     "EXPERIMENT_2_CELLS",
     "NATURAL_KINDS",
     "SCENARIOS",
     "STREET_KINDS",
+    "STREET_SCENARIOS",
     "NaturalEnvironment",
     "RoughGround",
     "Scenario",
+    "StreetSearch",
     "bimodal",
     "downsampled",
     "drifting_hiker",
     "elevation",
     "experiment_2",
     "make_scenario",
+    "make_street_scenario",
     "many_hills",
     "natural_environment",
     "natural_environments",
@@ -42,4 +46,5 @@ __all__ = [
     "simplex_noise",
     "starts",
     "street_grid",
+    "street_search",
 ]

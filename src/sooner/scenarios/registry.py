@@ -10,8 +10,9 @@ from sooner.scenarios.many_hills import many_hills
 from sooner.scenarios.rough_ground import RoughGround, rough_ground
 from sooner.scenarios.rugged_ridge import rugged_ridge
 from sooner.scenarios.scenario import Scenario
+from sooner.scenarios.street_search import StreetSearch, street_search
 
-__all__ = ["SCENARIOS", "make_scenario"]
+__all__ = ["SCENARIOS", "STREET_SCENARIOS", "make_scenario", "make_street_scenario"]
 
 
 @dataclass(frozen=True)
@@ -19,6 +20,14 @@ class Entry:
     """One scenario: how it is made, and what it is about."""
 
     make: Callable[..., Scenario | RoughGround]
+    about: str
+
+
+@dataclass(frozen=True)
+class StreetEntry:
+    """One that is simulated and not planned ahead."""
+
+    make: Callable[..., StreetSearch]
     about: str
 
 
@@ -30,6 +39,25 @@ SCENARIOS: dict[str, Entry] = {
         rough_ground, "regions between obstacles, searched for what there is to learn (100 x 200 cells)"
     ),
 }
+
+"""Searches that can be planned ahead."""
+
+STREET_SCENARIOS: dict[str, StreetEntry] = {
+    "street-grid": StreetEntry(
+        street_search, "four drones map unknown streets and hunt who walks there: for `sooner simulate` (40 x 40 cells)"
+    ),
+}
+"""Searches that are planned while they are flown."""
+
+
+def make_street_scenario(name: str, seed: int | None = None) -> StreetSearch:
+    """The search over streets of that name; another seed makes other streets.
+
+    >>> make_street_scenario("street-grid").searchers
+    4
+    """
+    make = STREET_SCENARIOS[name].make
+    return make() if seed is None else make(seed)
 
 
 def make_scenario(name: str, seed: int | None = None) -> Scenario | RoughGround:

@@ -1,0 +1,145 @@
+"""`sooner simulate`."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+import tempfile
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from sooner.cli.exits import DONE, say, uninterrupted
+from sooner.errors import DataFormatError, Fault
+from sooner.io import Folder
+from sooner.missions.over_waypoints import StreetMission, is_over_waypoints, read_street_mission
+
+__all__ = ["simulate"]
+
+MOST_TRIALS = 1_000_000
+TELL_S = 5.0
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says of the flights."""
+
+    trials: int
+    seed: int
+    workers: int
+    strategy: str | None
+    planner: str | None
+    seconds: float | None
+
+    @property
+    def seeds(self) -> range:
+        """One for each trial."""
+        return range(self.seed, self.seed + self.trials)
+
+
+def simulate(
+    mission_file: Path, asked: tuple[Any, ...], out: Path | None, as_json: bool, quiet: bool, force: bool
+) -> int:
+    """Fly, write, tell; answers the exit status."""
+    wishes = Asked(*asked)
+    if wishes.trials > MOST_TRIALS:
+        raise DataFormatError(Fault("--trials", "", f"{wishes.trials} came", f"expected at most {MOST_TRIALS:,}"))
+    folder = Folder(out or mission_file.parent / f"{mission_file.stem}-simulation", force)
+    if is_over_waypoints(mission_file):
+        _refuse("--planner", wishes.planner, "--strategy")
+        _refuse("--seconds", wishes.seconds, "nothing: budget.replan_s says how often a team plans")
+        return _streets(read_street_mission(mission_file), wishes, folder, as_json, quiet)
+    _refuse("--strategy", wishes.strategy, '--planner, or searcher.moves = "waypoints"')
+    from sooner.cli.simulate_plan import simulate_plan
+
+    return simulate_plan(mission_file, wishes, folder, as_json, quiet)
+
+
+def _refuse(option: str, came: Any, instead: str) -> None:
+    if came is not None:
+        raise DataFormatError(Fault(option, "", f"{came!r} came, which these moves do not know", f"expected {instead}"))
+
+
+def _streets(mission: StreetMission, asked: Asked, folder: Folder, as_json: bool, quiet: bool) -> int:
+    from sooner.missions.street_trials import COLUMNS, StreetTrials, episode_of, fly_streets, strategy_named
+    from sooner.simulation import save_episode
+    from sooner.simulation.picture import picture_of
+
+    name, strategy = strategy_named(asked.strategy)
+    folder.check("trials.csv", "simulation.json", "episode.npz", "episode.png")
+    if not quiet:
+        say(f"flying {asked.trials:,} times by {name}")
+    flown = tuple(told(fly_streets(mission, strategy, asked.seeds, asked.workers), asked.trials, quiet))
+    trials = StreetTrials(mission, name, flown)
+    episode = episode_of(mission, strategy, asked.seed)
+    result = trials.result() | {"attribution": mission.attribution, "files": str(folder.path)}
+    with uninterrupted():
+        folder.write(
+            {
+                "trials.csv": csv_of(COLUMNS, (trial.row() for trial in flown)),
+                "simulation.json": (json.dumps(result, allow_nan=False) + "\n").encode(),
+                "episode.npz": _bytes_of(episode, save_episode),
+                "episode.png": picture_of(episode),
+            }
+        )
+    if as_json:
+        print(json.dumps(result, allow_nan=False))
+    else:
+        _tell(trials, folder)
+    return DONE
+
+
+def _tell(trials: Any, folder: Folder) -> None:
+    """What the trials say, with standard errors."""
+    mission, means = trials.mission, trials.means()
+    scene = mission.scene
+    count = len(trials.trials)
+    print(
+        f"{mission.name}: {len(scene.agents)} drones, {scene.seconds} s, flown {count:,} "
+        f"time{'s' if count > 1 else ''} by {trials.strategy}"
+    )
+    if trials.n_targets:
+        print(f"  E                                   {means['e'].told(4)}")
+        print(f"    of it for targets                 {means['e_targets'].told(4)}")
+    print(f"    of it for streets                 {means['e_nodes'].told(4)}")
+    print(f"  streets detected by the end         {means['nodes_detected'].told(4)}")
+    if trials.n_targets:
+        print(f"  targets detected by the end         {means['targets_detected'].told(4)}")
+        print(f"  these after                         {means['detected_after_s'].told(1, ' s')}")
+    print(f"  false detections of a target        {means['false_detections'].told(4)} a flight")
+    print(f"  false detections of streets         {means['false_nodes'].told(4)} a flight")
+    if mission.attribution:
+        print(f"map      {mission.attribution}")
+    for name in ("trials.csv", "episode.npz"):
+        print(f"{name.split('.')[0]:8} {folder.path / name}")
+    print(f"picture  {folder.path / 'episode.png'}")
+
+
+def told(trials: Iterable[T], count: int, quiet: bool) -> Iterator[T]:
+    """The trials as they come, and now and then on stderr how many have come."""
+    last = time.perf_counter()
+    for number, trial in enumerate(trials, 1):
+        yield trial
+        if not quiet and time.perf_counter() - last > TELL_S and number < count:
+            last = time.perf_counter()
+            print(f"{number:,} of {count:,} flown", file=sys.stderr, flush=True)
+
+
+def csv_of(columns: Iterable[str], rows: Iterable[list[str]]) -> bytes:
+    """A table as CSV."""
+    text = io.StringIO()
+    for row in ([*columns], *rows):
+        text.write(",".join(row) + "\n")
+    return text.getvalue().encode()
+
+
+def _bytes_of(episode: Any, save: Any) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "episode.npz"
+        save(episode, path)
+        return path.read_bytes()

@@ -1,0 +1,86 @@
+"""`sooner simulate` of a mission over cells or over regions: plan, fly, and compare with what was promised."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from sooner.cli.exits import DONE, say, uninterrupted
+from sooner.cli.progress import Watch
+from sooner.cli.simulate import Asked, csv_of, told
+from sooner.cli.words import amount, clock, flight
+from sooner.io import Folder
+from sooner.missions import Mission, plan_mission, read_mission
+from sooner.missions.estimates import Mean
+from sooner.missions.picture import plan_picture
+from sooner.missions.plan_trials import COLUMNS, PlanTrials, fly_plan
+from sooner.missions.planning import plan_file
+
+__all__ = ["simulate_plan"]
+
+SECONDS = 10.0
+
+
+def simulate_plan(mission_file: Path, asked: Asked, folder: Folder, as_json: bool, quiet: bool) -> int:
+    """Plan, fly, write, tell; answers the exit status."""
+    mission = read_mission(mission_file)
+    folder.check("trials.csv", "simulation.json", "plan.csv", "plan.png")
+    seconds = SECONDS if asked.seconds is None else asked.seconds
+    with Watch(mission, asked.planner, seconds, quiet) as watch:
+        planned = plan_mission(mission, asked.planner, seconds, asked.seed, on_tick=watch.tick)
+    if not quiet:
+        say(f"flying it {asked.trials:,} times")
+    flown = tuple(told(fly_plan(planned.score, asked.seeds, asked.workers), asked.trials, quiet))
+    trials = PlanTrials(planned.score, flown)
+    result = trials.result() | {"planner": planned.planner, "files": str(folder.path)}
+    with uninterrupted():
+        folder.write(
+            {
+                "trials.csv": csv_of(COLUMNS, (trial.row(mission.unit_s) for trial in flown)),
+                "simulation.json": (json.dumps(result, allow_nan=False) + "\n").encode(),
+                "plan.csv": plan_file(mission, planned.score.plan),
+                "plan.png": plan_picture(planned),
+            }
+        )
+    if as_json:
+        print(json.dumps(result, allow_nan=False))
+    else:
+        _tell(mission, trials, planned.planner, folder)
+    return DONE
+
+
+def _tell(mission: Mission, trials: PlanTrials, planner: str, folder: Folder) -> None:
+    evaluation, unit, count = trials.score.evaluation, mission.sight.unit, len(trials.trials)
+    long = flight(mission, trials.score.result())
+    print(f"{mission.name}: a flight of {long}, planned by {planner}, flown {count:,} time{'s' if count > 1 else ''}")
+    words = {"probability": "finds the person in", "bits": "learns", "targets": "finds"}[unit]
+    print(f"  {words:35} {_amount(mission, trials.value)}")
+    off = "" if trials.off is None else f"   ({abs(trials.off):.1f} standard errors away)"
+    print(f"  the judge promised                  {amount(mission, evaluation.total)}{off}")
+    if unit != "bits" and trials.time_if_found.value is not None:
+        print(f"  if it finds, after                  {_time(mission, trials.time_if_found)}")
+        if unit == "probability":
+            print(
+                f"  the judge promised                  {_time(mission, Mean(evaluation.mean_time_if_found, None, 0))}"
+            )
+    if mission.sight.false_alarm:
+        print(f"  false alarms                        {trials.false_alarms.told(1)} a flight")
+    for name in ("trials.csv", "plan.csv"):
+        print(f"{name.split('.')[0]:8} {folder.path / name}")
+    print(f"picture  {folder.path / 'plan.png'}")
+
+
+def _amount(mission: Mission, mean: Mean) -> str:
+    """As the judge's amounts, with the standard error."""
+    if mission.sight.unit != "probability":
+        return mean.told(3, f" {mission.sight.unit}")
+    assert mean.value is not None
+    error = "" if mean.error is None else f" +- {100 * mean.error:.2f}"
+    return f"{100 * mean.value:6.2f}{error} % of flights"
+
+
+def _time(mission: Mission, mean: Mean) -> str:
+    """Steps or seconds, and as a clock shows them."""
+    unit = " s" if mission.over_regions else " steps"
+    seconds = None if mission.unit_s is None or mean.value is None else mean.value * mission.unit_s
+    return mean.told(1, unit) + ("" if seconds is None else f"   ({clock(seconds)})")

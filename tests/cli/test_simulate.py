@@ -1,0 +1,104 @@
+"""`sooner simulate` as a stranger uses it."""
+
+import json
+
+import numpy as np
+import pytest
+
+from sooner.simulation import load_episode, replayed
+
+
+@pytest.fixture
+def city(sooner, tmp_path):
+    assert sooner("scenario", "street-grid", "--out", tmp_path).status == 0
+    path = tmp_path / "mission.toml"
+    path.write_text(path.read_text().replace("seconds = 240", "seconds = 60"))
+    return path
+
+
+def test_a_team_is_flown_told_and_drawn(sooner, city):
+    ended = sooner("simulate", city, "--trials", "4", "--strategy", "lawnmower")
+    assert ended.status == 0
+    assert "4 drones, 60 s, flown 4 times by lawnmower" in ended.out
+    for told in ("streets detected by the end", "targets detected by the end", "false detections of a target", " +- "):
+        assert told in ended.out
+    folder = city.parent / "mission-simulation"
+    assert (folder / "episode.png").read_bytes().startswith(b"\x89PNG")
+    lines = (folder / "trials.csv").read_text().splitlines()
+    assert lines[0].startswith("seed,e,e_nodes,e_targets,")
+    assert [line.split(",")[0] for line in lines[1:]] == list("0123")
+    episode = load_episode(folder / "episode.npz")
+    assert f"{episode.e:.6f}" == lines[1].split(",")[1]
+    np.testing.assert_array_equal(replayed(episode).places_m, episode.places_m)
+
+
+def test_one_object_of_json_and_the_same_in_the_file(sooner, city):
+    ended = sooner("simulate", city, "--trials", "2", "--seed", "7", "--strategy", "random", "--json", "--quiet")
+    assert ended.status == 0
+    assert ended.err == ""
+    told = ended.json
+    assert (told["trials"], told["seed"], told["strategy"], told["seconds"]) == (2, 7, "random", 60)
+    assert told["e"]["mean"] == pytest.approx(told["e_nodes"]["mean"] + told["e_targets"]["mean"])
+    assert told == json.loads((city.parent / "mission-simulation" / "simulation.json").read_text())
+    again = sooner("simulate", city, "--trials", "2", "--seed", "7", "--strategy", "random", "--json", "--quiet")
+    assert again.json == told
+
+
+@pytest.mark.slow
+def test_workers_change_nothing(sooner, city, tmp_path):
+    alone, together = (
+        sooner("simulate", city, "--trials", "6", "--strategy", "random", "-q", "--out", tmp_path / n, "--workers", n)
+        for n in ("1", "2")
+    )
+    assert alone.status == together.status == 0
+    assert (tmp_path / "1" / "trials.csv").read_text() == (tmp_path / "2" / "trials.csv").read_text()
+
+
+def test_an_empty_city_tells_of_false_detections(sooner, city):
+    city.write_text(city.read_text().replace("count = 1", "count = 0"))
+    ended = sooner("simulate", city, "--trials", "2", "--strategy", "random")
+    assert ended.status == 0
+    assert "targets detected" not in ended.out
+    assert "false detections of a target" in ended.out
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--strategy", "wander"), "'wander' came; expected one of random, lawnmower"),
+        (("--planner", "anneal"), "these moves do not know"),
+        (("--seconds", "3"), "budget.replan_s"),
+        (("--trials", "2000000"), "expected at most 1,000,000"),
+    ],
+)
+def test_a_wish_that_cannot_be_is_refused(sooner, city, options, told):
+    ended = sooner("simulate", city, *options)
+    assert ended.status == 2
+    assert told in ended.err
+    assert not (city.parent / "mission-simulation").exists()
+
+
+def test_a_strategy_over_cells_is_refused(sooner, mission):
+    ended = sooner("simulate", mission, "--strategy", "random")
+    assert ended.status == 2
+    assert "--planner" in ended.err
+
+
+def test_a_mission_over_waypoints_is_not_planned(sooner, city):
+    ended = sooner("plan", city)
+    assert ended.status == 2
+    assert "sooner simulate" in ended.err
+
+
+def test_a_plan_over_cells_is_flown_beside_its_promise(sooner, mission):
+    ended = sooner("simulate", mission, "--trials", "400", "--seconds", "0.3")
+    assert ended.status == 0
+    assert "the judge promised" in ended.out
+    folder = mission.parent / "mission-simulation"
+    told = json.loads((folder / "simulation.json").read_text())
+    assert told["unit"] == "probability"
+    assert abs(told["value"]["off_by_errors"]) < 4.0
+    scored = sooner("evaluate", mission, folder / "plan.csv", "--json").json
+    assert scored["value"] == told["value"]["promised"]
+    rows = [line.split(",") for line in (folder / "trials.csv").read_text().splitlines()]
+    assert np.mean([float(row[1]) for row in rows[1:]]) == pytest.approx(told["value"]["mean"])
