@@ -206,6 +206,19 @@ def _figure_4(curves: Curves) -> Iterator[Claim]:
     yield "Text", row, "1 yes, 0 no", float(nodes[LAWNMOWER][-1] > nodes[KRIGED][-1]), n
     row = "Section V, given time: targets detected in the end by information less those by lawnmower"
     yield "Text", row, "%", 100.0 * float(targets[KRIGED][-1] - targets[LAWNMOWER][-1]), n
+    for planner in nodes:
+        yield from _quarters(curves, planner)
+
+
+def _quarters(curves: Curves, planner: str) -> Iterator[Claim]:
+    """The curves of Fig. 4 at the end of each quarter."""
+    nodes, targets = curves.nodes(planner, AUTHORS), curves.targets(planner, AUTHORS)
+    for quarter in range(1, 5):
+        at = quarter * (len(curves.times) - 1) // 4
+        column, n = f"{25 * quarter} % of the mission", len(nodes)
+        yield "Fig. 4a: nodes detected, mean, %", planner, column, 100.0 * float(nodes[:, at].mean()), n
+        yield "Fig. 4a: nodes detected, deviation, %", planner, column, 100.0 * float(nodes[:, at].std(ddof=1)), n
+        yield "Fig. 4b: targets detected, %", planner, column, 100.0 * float(targets[at]), n
 
 
 def _led(curves: Mapping[str, NDArray[np.float64]], when: NDArray[np.bool_]) -> float:
