@@ -180,9 +180,7 @@ def move(dice, route, length, shape, cell_m, low, high, weights, others, first, 
         if draw(dice) < 0.7 or length == 0 or at == length:
             cell = heavy_cell(dice, weights, others, first, 12)
             row = cell // shape[1]
-            east, north = near(
-                dice, (cell - row * shape[1]) * cell_m, (shape[0] - 1 - row) * cell_m, cell_m, low, high
-            )
+            east, north = near(dice, (cell - row * shape[1]) * cell_m, (shape[0] - 1 - row) * cell_m, cell_m, low, high)
             at, least = 0, np.inf  # where it costs the least way, or anywhere
             if draw(dice) < 0.7:
                 for i in range(length + 1):

@@ -137,30 +137,30 @@ class JointSession:
         for parts in lane_layouts(situation.grid, situation.agents):
             values = np.empty((len(situation.agents), len(parts)))
             choices = np.empty(values.shape, np.int64)
-            for part, ways in enumerate(parts):
-                alone = self._alone(situation, ways, seconds)
+            for part, (inside, ways) in enumerate(parts):
+                alone = self._alone(situation, ways, np.where(inside, self._weights, 0.0), seconds)
                 values[:, part], choices[:, part] = alone.max(axis=0), alone.argmax(axis=0)
             chosen = np.empty(len(parts), np.int64)
             most_valuable(values, chosen)
-            routes = tuple(parts[part][choices[agent, part]] for agent, part in enumerate(chosen))
-            value = self._value(situation, routes, seconds)[0]
+            routes = tuple(parts[part][1][choices[agent, part]] for agent, part in enumerate(chosen))
+            value = self._value(situation, routes, self._weights, seconds)[0]
             if value > most:
                 best, most = routes, value
         return best
 
-    def _alone(self, situation: Situation, ways: Routes, seconds: int) -> Floats:
+    def _alone(self, situation: Situation, ways: Routes, weights: Floats, seconds: int) -> Floats:
         """(ways, A) float: what each way is worth to each agent by itself."""
         n_agents = len(situation.agents)
-        return np.array([self._value(situation, (way,) * n_agents, seconds)[1] for way in ways])
+        return np.array([self._value(situation, (way,) * n_agents, weights, seconds)[1] for way in ways])
 
-    def _value(self, situation: Situation, routes: Routes, seconds: int) -> tuple[float, Floats]:
+    def _value(self, situation: Situation, routes: Routes, weights: Floats, seconds: int) -> tuple[float, Floats]:
         from sooner.simulation.strategies._coverage_kernels import value_of
 
         alone = np.empty(len(routes))
         packed, lengths = pack(routes, self.strategy.waypoints)
         value = value_of(
             _starts(situation), self._bodies, packed, lengths, seconds, self._shape, float(situation.grid.cell_m),
-            self._weights, alone,
+            weights, alone,
         )  # fmt: skip
         return value, alone
 
@@ -192,8 +192,8 @@ def route_value(
     return float(value_of(starts, body, packed, lengths, seconds, shape, float(grid.cell_m), weights, room))
 
 
-def lane_layouts(grid: Grid, agents: tuple[Agent, ...]) -> list[list[Routes]]:
-    """Ways to cut the ground into as many parts as agents, and for each part the ways to sweep it, lane by lane.
+def lane_layouts(grid: Grid, agents: tuple[Agent, ...]) -> list[list[tuple[NDArray[np.bool_], Routes]]]:
+    """Ways to cut the ground into as many parts as agents: the (M,) cells of each, and ways to sweep it in lanes.
 
     Bands, columns, and rectangles as `rectangles` cuts them; lanes north to south or east to west, from each corner.
     """
@@ -205,7 +205,11 @@ def lane_layouts(grid: Grid, agents: tuple[Agent, ...]) -> list[list[Routes]]:
         size = (high - low) / (across, up)
         layouts.append([(low + size * (e, u), low + size * (e + 1, u + 1)) for u in range(up) for e in range(across)])
     layouts.append(rectangles(grid, n))
-    return [[_sweeps(*part, width) for part in layout] for layout in layouts]
+    return [[(_inside(grid, *part), _sweeps(*part, width)) for part in layout] for layout in layouts]
+
+
+def _inside(grid: Grid, low: Floats, high: Floats) -> NDArray[np.bool_]:
+    return np.asarray(((grid.centres_m >= low) & (grid.centres_m < high)).all(axis=1))
 
 
 def _sweeps(low: Floats, high: Floats, width: float) -> Routes:

@@ -21,6 +21,7 @@ STRATEGIES: dict[str, tuple[str, Mapping[str, Any]]] = {
     ),
     "information": ("sooner.simulation.strategies.information:Information", {}),
     "swept_information": ("sooner.simulation.strategies.information:Information", {"utility": "swept"}),
+    "rollouts": ("sooner.simulation.strategies.rollouts:Rollouts", {}),
     "joint": ("sooner.simulation.strategies.joint:Joint", {}),
 }
 """Where the class of each lives, "module:Class", and the settings that make the variant."""
