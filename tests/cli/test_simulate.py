@@ -102,3 +102,35 @@ def test_a_plan_over_cells_is_flown_beside_its_promise(sooner, mission):
     assert scored["value"] == told["value"]["promised"]
     rows = [line.split(",") for line in (folder / "trials.csv").read_text().splitlines()]
     assert np.mean([float(row[1]) for row in rows[1:]]) == pytest.approx(told["value"]["mean"])
+
+
+@pytest.fixture
+def evidence(tmp_path):
+    text = '[area]\nevidence = "theta.csv"\ncell_m = 10.0\n[sensor]\ndetect = 0.8\nfalse_alarm = 0.2\n'
+    text += "[[searcher]]\nstart = [1, 1]\nspeed_mps = 5.0\n[budget]\nseconds = 60\n"
+    (tmp_path / "theta.csv").write_text("\n".join(",".join(f"{0.1 * (r + c):.1f}" for c in range(5)) for r in range(4)))
+    path = tmp_path / "mission.toml"
+    path.write_text(text)
+    return path
+
+
+def test_a_plan_is_made_anew_on_the_way(sooner, evidence):
+    ended = sooner("simulate", evidence, "--trials", "3", "--seconds", "0.2", "--replan", "20", "--planner", "greedy")
+    assert ended.status == 0
+    assert "without replans, as promised" in ended.out
+    assert "false alarms" in ended.out
+    told = json.loads((evidence.parent / "mission-simulation" / "simulation.json").read_text())
+    assert (told["replan"], told["planner"], told["unit"], told["time_unit"]) == (20.0, "greedy", "targets", "steps")
+
+
+@pytest.mark.parametrize(("every", "told"), [("1.0", "at least one step"), ("nan", "at least one step")])
+def test_a_replan_that_cannot_be_is_refused(sooner, evidence, every, told):
+    ended = sooner("simulate", evidence, "--trials", "3", "--seconds", "0.2", "--replan", every)
+    assert ended.status == 2
+    assert told in ended.err
+
+
+def test_a_replan_for_a_person_is_refused_with_the_reason(sooner, mission):
+    ended = sooner("simulate", mission, "--replan", "20")
+    assert ended.status == 2
+    assert "which the plan counts on already" in ended.err

@@ -114,6 +114,10 @@ def simulate(
     strategy: Annotated[str | None, typer.Option(help="Over waypoints: how the team flies.")] = None,
     planner: Annotated[str | None, typer.Option(help="Else: a name that `sooner planners` lists.")] = None,
     seconds: Annotated[float | None, typer.Option(help="Else: planning time, 10 if left out.")] = None,
+    replan: Annotated[
+        float | None,
+        typer.Option(help="Else, over evidence: plan anew so often, seconds (steps if nobody says speed)."),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the trials, an episode and its picture.")] = None,
     json: Json = False,
     quiet: Quiet = False,
@@ -122,10 +126,10 @@ def simulate(
     """Fly a mission many times against what is hidden from it, and tell what was found, when, and what was wrong.
 
     Over waypoints a strategy plans while it flies. Else a plan is made as by `sooner plan` and flown against people
-    drawn from the map: what it finds stands beside what it promised.
+    drawn from the map: what it finds stands beside what it promised. With --replan what looks have answered counts.
     Writes trials.csv, simulation.json and a picture to --out (left out: a folder MISSION-simulation).
     """
-    asked = (trials, seed, workers, strategy, planner, seconds)
+    asked = (trials, seed, workers, strategy, planner, seconds, replan)
     return partial(_run, "simulate", "simulate", mission, asked, out, json, quiet, force)
 
 

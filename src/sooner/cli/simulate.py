@@ -35,6 +35,7 @@ class Asked:
     strategy: str | None
     planner: str | None
     seconds: float | None
+    replan: float | None
 
     @property
     def seeds(self) -> range:
@@ -53,6 +54,7 @@ def simulate(
     if is_over_waypoints(mission_file):
         _refuse("--planner", wishes.planner, "--strategy")
         _refuse("--seconds", wishes.seconds, "nothing: budget.replan_s says how often a team plans")
+        _refuse("--replan", wishes.replan, "nothing: budget.replan_s says how often a team plans")
         return _streets(read_street_mission(mission_file), wishes, folder, as_json, quiet)
     _refuse("--strategy", wishes.strategy, '--planner, or searcher.moves = "waypoints"')
     from sooner.cli.simulate_plan import simulate_plan

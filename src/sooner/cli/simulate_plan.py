@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import json
+from math import isfinite
 from pathlib import Path
 
 from sooner.cli.exits import DONE, say, uninterrupted
 from sooner.cli.progress import Watch
 from sooner.cli.simulate import Asked, csv_of, told
 from sooner.cli.words import amount, clock, flight
+from sooner.errors import DataFormatError, Fault
 from sooner.io import Folder
 from sooner.missions import Mission, plan_mission, read_mission
 from sooner.missions.estimates import Mean
 from sooner.missions.picture import plan_picture
 from sooner.missions.plan_trials import COLUMNS, PlanTrials, fly_plan
 from sooner.missions.planning import plan_file
+from sooner.missions.replanned import check_replanning, fly_replanned
 
 __all__ = ["simulate_plan"]
 
@@ -26,13 +29,19 @@ def simulate_plan(mission_file: Path, asked: Asked, folder: Folder, as_json: boo
     mission = read_mission(mission_file)
     folder.check("trials.csv", "simulation.json", "plan.csv", "plan.png")
     seconds = SECONDS if asked.seconds is None else asked.seconds
+    every = None if asked.replan is None else _every(mission, asked.replan)
     with Watch(mission, asked.planner, seconds, quiet) as watch:
         planned = plan_mission(mission, asked.planner, seconds, asked.seed, on_tick=watch.tick)
     if not quiet:
         say(f"flying it {asked.trials:,} times")
-    flown = tuple(told(fly_plan(planned.score, asked.seeds, asked.workers), asked.trials, quiet))
+    flights = (
+        fly_plan(planned.score, asked.seeds, asked.workers)
+        if every is None
+        else fly_replanned(planned, every, asked.seeds, asked.workers)
+    )
+    flown = tuple(told(flights, asked.trials, quiet))
     trials = PlanTrials(planned.score, flown)
-    result = trials.result() | {"planner": planned.planner, "files": str(folder.path)}
+    result = trials.result() | {"planner": planned.planner, "replan": asked.replan, "files": str(folder.path)}
     with uninterrupted():
         folder.write(
             {
@@ -45,18 +54,30 @@ def simulate_plan(mission_file: Path, asked: Asked, folder: Folder, as_json: boo
     if as_json:
         print(json.dumps(result, allow_nan=False))
     else:
-        _tell(mission, trials, planned.planner, folder)
+        _tell(mission, trials, planned.planner, every, folder)
     return DONE
 
 
-def _tell(mission: Mission, trials: PlanTrials, planner: str, folder: Folder) -> None:
+def _every(mission: Mission, wanted: float) -> float:
+    """Time between plans in the judge's unit."""
+    check_replanning(mission)
+    every = wanted if mission.unit_s is None else wanted / mission.unit_s
+    least = 1.0 if not mission.over_regions else 1e-3
+    if not (isfinite(every) and every >= least):
+        expected = "expected time for at least one step" if not mission.over_regions else "expected seconds above 0"
+        raise DataFormatError(Fault("--replan", "", f"{wanted:g} came", expected))
+    return every if mission.over_regions else float(int(every + 1e-9))
+
+
+def _tell(mission: Mission, trials: PlanTrials, planner: str, every: float | None, folder: Folder) -> None:
     evaluation, unit, count = trials.score.evaluation, mission.sight.unit, len(trials.trials)
     long = flight(mission, trials.score.result())
     print(f"{mission.name}: a flight of {long}, planned by {planner}, flown {count:,} time{'s' if count > 1 else ''}")
     words = {"probability": "finds the person in", "bits": "learns", "targets": "finds"}[unit]
     print(f"  {words:35} {_amount(mission, trials.value)}")
+    promised = "the judge promised" if every is None else "without replans, as promised"
     off = "" if trials.off is None else f"   ({abs(trials.off):.1f} standard errors away)"
-    print(f"  the judge promised                  {amount(mission, evaluation.total)}{off}")
+    print(f"  {promised:35} {amount(mission, evaluation.total)}{off}")
     if unit != "bits" and trials.time_if_found.value is not None:
         print(f"  if it finds, after                  {_time(mission, trials.time_if_found)}")
         if unit == "probability":

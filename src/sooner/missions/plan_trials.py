@@ -16,17 +16,17 @@ from sooner.belief import Belief, BetaGrid, EvidenceGrid
 from sooner.belief.evidence import binary_entropy
 from sooner.errors import UnsupportedProblemError
 from sooner.missions.estimates import Mean
+from sooner.missions.hidden import PURPOSE, HiddenTargets, theta_after
 from sooner.missions.processes import for_each_seed
 from sooner.missions.score import Score
 from sooner.missions.sight import Sight
+from sooner.problem import Plan, SearchProblem
 from sooner.problem.regions import RegionMoves
 from sooner.sensors import miss_after_looks
 
-__all__ = ["COLUMNS", "Flyover", "PlanTrial", "PlanTrials", "fly_plan"]
+__all__ = ["COLUMNS", "Flyover", "PlanTrial", "PlanTrials", "fly_plan", "looks_of"]
 
 COLUMNS = ("seed", "value", "found", "there", "first_s", "mean_s", "false_alarms")
-PURPOSE = 4  # of the random numbers of a seed; a simulation over streets has 0 to 3
-
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -49,16 +49,7 @@ class Flyover:
     @classmethod
     def of(cls, score: Score) -> Flyover:
         """The looks of a plan, cell by cell, without atoms and gains: as a camera would take them."""
-        problem, parts = score.mission.problem, []
-        for searcher, actions in zip(problem.searchers, score.plan.actions, strict=True):
-            if isinstance(searcher.moves, RegionMoves):
-                parts.append(_over_regions(searcher.moves, actions))
-            else:
-                looks = searcher.moves.looks(problem.grid, searcher, actions)
-                parts.append((looks.items, looks.times))
-        cells, times = (np.concatenate(each) for each in zip(*parts, strict=True))
-        order = np.argsort(times, kind="stable")
-        return cls(score.mission.sight, cells[order].astype(np.int64), times[order])
+        return cls(score.mission.sight, *looks_of(score.mission.problem, score.plan))
 
     @cached_property
     def counts(self) -> Ints:
@@ -77,7 +68,7 @@ class Flyover:
         if isinstance(known, Belief):
             return self._person(seed, known, rng)
         if isinstance(known, EvidenceGrid):
-            return self._targets(seed, known, rng)
+            return self._targets(seed)
         return self._rates(seed, known, rng)
 
     def _person(self, seed: int, belief: Belief, rng: Generator) -> PlanTrial:
@@ -103,22 +94,21 @@ class Flyover:
         misses = miss_after_looks(np.array([self._detect[cell]]), looks, self.sight.correlation)[0]
         return np.asarray(1.0 - np.divide(misses[1:], misses[:-1], out=np.ones(looks), where=misses[:-1] > 0))
 
-    def _targets(self, seed: int, evidence: EvidenceGrid, rng: Generator) -> PlanTrial:
+    def _targets(self, seed: int) -> PlanTrial:
         """In each cell a target or none."""
-        theta = evidence.theta.ravel()
-        there = rng.random(theta.size) < theta
-        signal = there[self.cells]
-        yes = rng.random(len(self.cells)) < np.where(signal, self._detect[self.cells], self.sight.false_alarm)
-        hits = np.flatnonzero(yes & signal)
-        _, first = np.unique(self.cells[hits], return_index=True)  # looks are in order of time
-        times, found = self.times[hits[first]], len(first)
+        hidden = HiddenTargets(self.sight, seed)
+        hidden.look(self.cells, self.times)
+        return self.told(seed, hidden)
+
+    def told(self, seed: int, hidden: HiddenTargets) -> PlanTrial:
+        """What looks have come to."""
+        times = hidden.first[np.isfinite(hidden.first)]
+        found = len(times)
         value = float(found)
         if self.sight.objective.kind == "information":
-            value = self._learnt(theta, np.bincount(self.cells[yes], minlength=theta.size))
-        return PlanTrial(
-            seed, value, found, int(there.sum()), float(times.min()) if found else nan,
-            float(times.mean()) if found else nan, int((yes & ~signal).sum()),
-        )  # fmt: skip
+            value = self._learnt(self.sight.theta.ravel(), hidden.hits)
+        first, mean = (float(times.min()), float(times.mean())) if found else (nan, nan)
+        return PlanTrial(seed, value, found, int(hidden.there.sum()), first, mean, hidden.false_alarms)
 
     def _rates(self, seed: int, known: BetaGrid, rng: Generator) -> PlanTrial:
         """In each cell targets that come and go, in view at a rate of the cell's own."""
@@ -130,14 +120,9 @@ class Flyover:
 
     def _learnt(self, theta: Floats, hits: Ints) -> float:
         """Bits by which cells are less uncertain after so many looks that said yes; it may be less than nothing."""
-        from scipy.special import expit, logit, xlog1py, xlogy
-
         seen = np.flatnonzero(self.counts)
-        prior, yes, no = theta[seen], hits[seen], (self.counts - hits)[seen]
-        detect, alarm = self._detect[seen], self.sight.false_alarm
-        there = xlogy(yes, detect) + xlog1py(no, -detect)
-        empty = xlogy(yes, alarm) + xlog1py(no, -alarm)
-        posterior = expit(logit(prior) + there - empty)
+        prior, looks = theta[seen], self.counts[seen]
+        posterior = theta_after(prior, self._detect[seen], self.sight.false_alarm, looks, hits[seen])
         return float((binary_entropy(prior) - binary_entropy(posterior)).sum())
 
     @cached_property
@@ -242,6 +227,20 @@ def fly_plan(score: Score, seeds: range, workers: int = 1) -> Iterator[PlanTrial
 
 def _fly(flyover: Flyover, seed: int) -> PlanTrial:
     return flyover.flown(seed)
+
+
+def looks_of(problem: SearchProblem, plan: Plan) -> tuple[Ints, Floats]:
+    """Cells that a plan looks at, in order of time, and when: without atoms, as a camera would see them."""
+    parts = []
+    for searcher, actions in zip(problem.searchers, plan.actions, strict=True):
+        if isinstance(searcher.moves, RegionMoves):
+            parts.append(_over_regions(searcher.moves, actions))
+        else:
+            looks = searcher.moves.looks(problem.grid, searcher, actions)
+            parts.append((looks.items, looks.times))
+    cells, times = (np.concatenate(each) for each in zip(*parts, strict=True))
+    order = np.argsort(times, kind="stable")
+    return cells[order].astype(np.int64), times[order]
 
 
 def _over_regions(moves: RegionMoves, actions: Ints) -> tuple[Ints, Floats]:

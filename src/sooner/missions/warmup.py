@@ -20,8 +20,11 @@ from sooner.planners.registry import PLANNERS
 from sooner.plotting import draw_plan
 from sooner.problem import CellMoves, Plan, SearchProblem, evaluate, information_gains
 from sooner.problem.region_problem import Sweep, region_problem
-from sooner.scenarios import bimodal
+from sooner.scenarios import bimodal, street_grid
 from sooner.sensors import BinarySensor
+from sooner.simulation import Agent, Estimator, Scene, World, simulate
+from sooner.simulation.strategies import STRATEGIES, make_strategy
+from sooner.streets import Evasive
 
 __all__ = ["warm_up"]
 
@@ -51,6 +54,18 @@ def warm_up() -> Iterator[str]:
     start = Plan.of([problems[0].grid.index(problems[0].searcher.start)])
     draw_plan(evaluate(problems[0], start), start, np.full(problems[0].grid.shape, 1.0 / problems[0].grid.n_cells))
     yield "picture"
+    _fly_streets()
+    yield "simulation"
+
+
+def _fly_streets() -> None:
+    """Some seconds over a few streets: every strategy and both detectors, with every prior."""
+    world, agents = World(street_grid("gridiron", 0, (20, 20)), evasive=Evasive(np.empty((0, 2)))), (Agent(),) * 2
+    for detector, prior in (("lrdt", "uniform"), ("lrdt", "known"), ("cbht", "kriged")):
+        scene = Scene(world, agents, Estimator(detector, prior), seconds=20)  # type: ignore[arg-type]
+        for name in STRATEGIES:
+            simulate(scene, make_strategy(name), seed=0)
+    simulate(Scene(replace(world, evasive=None), agents, seconds=10), make_strategy("random"), seed=0)
 
 
 def _regions() -> SearchProblem:
