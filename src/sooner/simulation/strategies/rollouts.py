@@ -45,8 +45,8 @@ class Rollouts:
     """
 
     rollouts: int = 300
-    horizon_s: float = 60.0
-    waypoints: int = 5
+    horizon_s: float = 30.0
+    waypoints: int = 3
     capture: float = 0.5
     reach: float = 1.0
     target: float = 2.0
