@@ -44,14 +44,18 @@ def for_each_seed(work: Callable[[int], T], seeds: range, workers: int = 1) -> I
     if workers <= 1:
         yield from map(work, seeds)
         return
+    others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin, (work, os.getpid()))
     try:
         yield from pool.map(_do, seeds, chunksize=max(1, min(16, len(seeds) // (4 * workers))))
+        pool.shutdown()
     except BrokenProcessPool:
         expected = "expected memory for all of them: ask for fewer"
         raise DataFormatError(Fault("--workers", "", "a process was ended from outside", expected)) from None
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
+        for process in set(multiprocessing.active_children()) - others:  # interrupted: nobody waits for their answers
+            process.terminate()
 
 
 def _begin(work: Callable[[int], Any], parent: int) -> None:
