@@ -41,7 +41,7 @@ Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 PROOF = "linear program over regions"
-ASSUMES = "looks of an action at a cell are as many whenever it is flown, and gains do not depend on when"
+ASSUMES = "flights over these regions; looks of an action are as many, and pay as much, whenever it is flown"
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,10 @@ def _tell(mission: Mission, planned: Planned, result: dict[str, Any], folder: Fo
     if target is not None:
         print(f"  {_reached(mission, planned, target)}")
     if result["bound"] is not None and target is None:
-        print(f"  no flight can pass                  {amount(mission, best.bound)}   (proof: {best.bound_proof})")
+        which = (
+            "no flight over these regions passes " if mission.over_regions else "no flight can pass                  "
+        )
+        print(f"  {which}{amount(mission, best.bound)}   (proof: {best.bound_proof})")
         print(f"  so it is at most                    {percent(best.gap)}   short of the best there is")
     elif result["bound"] is not None and best.value > -inf:
         print(f"  no flight gets there before         {times(mission, -best.bound)}   (proof: {best.bound_proof})")

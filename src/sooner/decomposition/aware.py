@@ -34,6 +34,7 @@ def regions_for(
     most: int = 400,
     min_m2: float = 363.0,
     swept_m2: float = np.inf,
+    smooth_m: float = 8.8,
 ) -> Regions:
     """Regions of ground that is alike, so that each can be searched as often as it is worth.
 
@@ -50,6 +51,7 @@ def regions_for(
     min_m2 : float             least region, as `chunked`
     swept_m2 : float           ground that the shortest flight can sweep: larger regions than a quarter of it are hardly
                                ever worth their time, and are cut
+    smooth_m : float           as `gain_classes`
 
     Notes
     -----
@@ -63,7 +65,7 @@ def regions_for(
     2
     """
     cut = boustrophedon(grid) if base is None else base
-    classes = gain_classes(grid, first_look)
+    classes = gain_classes(grid, first_look, smooth_m=smooth_m)
     largest_m2 = max(LARGEST * swept_m2, 2 * min_m2)
     least_m = grid.cell_m * float(np.sqrt(grid.passable.sum() / most))
     if classes.any():
@@ -89,7 +91,8 @@ def gain_classes(
     grid : Grid
     first_look : (N,) or (H, W) float
     levels : int               most classes
-    smooth_m : float           metres around a cell that say which class it is of
+    smooth_m : float           metres around a cell that say which class it is of: about the sensor's radius
+    apart : float              share of the largest gain by which classes differ at least
 
     Returns
     -------

@@ -15,7 +15,7 @@ from sooner.grid import Grid
 from sooner.missions.faults import Faults
 from sooner.missions.layers import Layers
 from sooner.missions.places import Place, components
-from sooner.missions.settings import CameraSettings, Cutting, Searching, Settings
+from sooner.missions.settings import MAX_STEPS, CameraSettings, Cutting, Searching, Settings
 from sooner.missions.sight import Sight
 from sooner.motion.kinematics import Dynamics
 from sooner.problem import SearchProblem
@@ -165,12 +165,15 @@ class OverRegions:
         """The ground, cut as the file says."""
         cutting, radius_m = self.settings.regions or Cutting(), sweeps[0].radius_m
         plain = boustrophedon(grid, **self._thresholds(grid, radius_m))
+        self._check_sizes(grid, plain)
         if cutting.cut == "plain":
             return plain
         chunk_m = CHUNK * radius_m if cutting.chunk_m is None else cutting.chunk_m
         shortest_m2 = float(self._swept_m2(sweeps[0].spacing_m, [sweep.dynamics for sweep in sweeps]).min())
         least_m2 = MIN_CHUNK * radius_m**2
-        return regions_for(grid, sight.first_look, plain, chunk_m, min_m2=least_m2, swept_m2=shortest_m2)
+        return regions_for(
+            grid, sight.first_look, plain, chunk_m, min_m2=least_m2, swept_m2=shortest_m2, smooth_m=radius_m
+        )
 
     def _thresholds(self, grid: Grid, radius_m: float) -> dict[str, float]:
         """Least sizes of regions in cells, whatever the size of the map."""
@@ -185,15 +188,35 @@ class OverRegions:
             "at_width": grid.shape[1],
         }
 
+    def _check_sizes(self, grid: Grid, plain: Regions) -> None:
+        """Some region is as large as the file asks: the largest stays, whatever its size, for what nobody has said."""
+        cutting, cell_m = self.settings.regions or Cutting(), grid.cell_m
+        if plain.n_regions > 1:
+            return  # others than the largest stay only where they are large enough
+        area_m2 = float(plain.sizes[0]) * cell_m**2
+        width_m = float((plain.labels == 0).any(axis=0).sum()) * cell_m
+        for key, said, there, unit in (
+            ("min_area_m2", cutting.min_area_m2, area_m2, "m2"),
+            ("min_width_m", cutting.min_width_m, width_m, "m"),
+        ):
+            if said is not None and said > there:
+                came = f"{said:g} {unit} came, which leaves no region: the largest has {there:g} {unit}"
+                self.faults.add(f"regions.{key}", came, "expected a number that leaves at least one")
+        self.faults.refuse()
+
     def _check_time(self, problem: SearchProblem) -> None:
-        """At least one region can be searched in time, by every searcher."""
+        """At least one region can be searched in time, by every searcher, and a flight is not endless."""
         for number, searcher in enumerate(problem.searchers):
             moves = searcher.moves
             assert isinstance(moves, RegionMoves)
+            most_s = MAX_STEPS * float(moves.graph.seconds.min())
+            if searcher.budget > most_s:
+                came = f"{searcher.budget:g} s came, time for more than {MAX_STEPS:,} actions of searcher[{number}]"
+                self.faults.add("budget.seconds", came, f"expected at most {most_s:.0f} s")
             searches = moves.graph.seconds[: moves.graph.n_regions]
             least = float((moves.from_first + searches + moves.to_last).min()) + moves.leg_s
             if least > searcher.budget + ROUNDING_S:
-                came = f"{searcher.budget:g} s came, too short for searcher {number} to search any region"
+                came = f"{searcher.budget:g} s came, too short for searcher[{number}] to search any region"
                 expected = f"expected at least {least:.0f} s: the quickest search, with the ways to and from it"
                 self.faults.add("budget.seconds", came, expected)
         self.faults.refuse()

@@ -296,7 +296,8 @@ class Cutting(_Table):
     )
     min_area_m2: NotNegative | None = Field(
         default=None,
-        description="smaller regions are left out; their ground is seen in passing. Left out: 4.7 radius^2",
+        description="smaller regions are left out before `aware` cuts the others; their ground is seen in passing. "
+        "Left out: 4.7 radius^2, and the largest region stays",
     )
     min_width_m: NotNegative | None = Field(default=None, description="narrower ones likewise. Left out: 0.75 radius")
     min_obstacle_m2: NotNegative = Field(default=0.0, description="smaller obstacles do not cut regions in two")
@@ -308,8 +309,8 @@ class Cutting(_Table):
     )
     looks: Literal["passes", "actions"] = Field(
         default="passes",
-        description="a cell is looked at each time that it comes into view, however ground is cut; or once in each "
-        "search and flight that sees it, as in the paper",
+        description="a cell is looked at each time that it comes into view, but for what is in view in passing a "
+        "region's middle; or once in each search and flight that sees it, as in the paper",
     )
     ways: Literal["taut", "pruned"] = Field(
         default="taut", description="around obstacles: pulled tight, or as the paper prunes them"

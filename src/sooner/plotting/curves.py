@@ -57,7 +57,7 @@ def draw_curve(
             axes.axvline(-bound * unit, color=BOUND, lw=1.4, ls="--", label="no flight is earlier")
     elif np.isfinite(bound):
         top = max(top, measure.factor * bound)
-        axes.axhline(measure.factor * bound, color=BOUND, lw=1.4, ls="--", label="no flight can pass", zorder=2)
+        axes.axhline(measure.factor * bound, color=BOUND, lw=1.4, ls="--", label="proven bound", zorder=2)
     if reference is not None:
         axes.axhline(measure.factor * reference[0], color=GREY, lw=1.2, ls=(0, (1, 1.5)), label=reference[1], zorder=2)
         top = max(top, measure.factor * reference[0])

@@ -56,7 +56,7 @@ def _compose(figure: Figure, evaluation: Evaluation, plan: Plan, ground: Ground,
     longest = max(float(times[-1]) for _, times in flights)
     second = [f"{measure.told(evaluation.total)} {measure.done} in {duration(longest, 1.0)}{by(caption)}"]
     if np.isfinite(caption.bound):
-        second.append(f"no flight can pass {measure.told(caption.bound)}")
+        second.append(f"no flight over these regions passes {measure.told(caption.bound)}")
     reference = None
     if np.isfinite(caption.reference) and caption.reference > 0:
         reference = caption.reference, caption.reference_name

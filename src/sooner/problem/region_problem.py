@@ -53,7 +53,9 @@ class Sweep:
     A flight goes on where one action ends and the next begins, at a region's centre, and so does what is in view
     there. It is counted once: in a search, which comes back to where it began; not in an edge at all. So no plan is
     credited with more passes than its flight makes, except that every search looks at the cells that it never lets
-    out of view.
+    out of view; and a flight that passes through a region's centre without a search is credited with less: values are
+    lower limits there, and bounds are bounds of what is credited. (To count those looks by visits of centres, which
+    the numbers of edges tell, is left to do.)
     """
 
     dynamics: Dynamics = field(default_factory=lambda: Dynamics(2.0, 2.0))
