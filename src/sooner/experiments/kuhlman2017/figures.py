@@ -146,7 +146,7 @@ def figure_10(flown: Flown) -> Figure:
         _over_cells(axes, flown, prefix, "DFS, 10 environments", "info", colour)
         axes.plot([], [], color=colour, label=label)
     axes.set(xlabel="cells", ylabel="information of DFS, % of reference", ylim=(94, 100))
-    axes.legend(frameon=False, loc="lower right")
+    axes.legend(frameon=False, loc="upper right")
     return figure
 
 
