@@ -1,5 +1,7 @@
 """Missions over regions, from the file to the plan, and information over cells."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -197,8 +199,23 @@ def test_ground_behind_rocks_is_left_out_with_a_note(ground, tmp_path):
 def test_time_for_a_way_but_for_no_search_is_refused_with_what_a_search_takes(ground):
     path = ground(more="[regions]\nspacing_m = 4.0")
     path.write_text(path.read_text().replace("end = [2, 2]", "").replace("seconds = 240", "seconds = 45"))
-    with pytest.raises(DataFormatError, match="too short for searcher 0 to search any region; expected at least"):
+    with pytest.raises(DataFormatError, match=r"too short for searcher\[0\] to search any region; expected at least"):
         read_mission(path)
+
+
+@pytest.mark.parametrize("cut", ["aware", "plain"])
+@pytest.mark.parametrize("key", ["min_area_m2", "min_width_m"])
+def test_least_sizes_that_leave_no_region_are_refused(ground, key, cut):
+    path = ground(more=f'[regions]\ncut = "{cut}"\n{key} = 1e9')
+    with pytest.raises(DataFormatError, match=rf"regions\.{key}: 1e\+09 m2? came, which leaves no region"):
+        read_mission(path)
+
+
+def test_time_for_more_actions_than_can_be_planned_is_refused_with_the_most(ground):
+    with pytest.raises(DataFormatError, match=r"more than 50,000 actions .* expected at most \d+ s") as refused:
+        read_mission(ground(seconds=1e9))
+    most = int(str(refused.value).split("expected at most ")[1].split(" ")[0])
+    assert read_mission(ground(seconds=most)).problem.searcher.budget == most
 
 
 def test_cells_half_the_size_have_the_same_regions(ground, tmp_path):
@@ -238,3 +255,22 @@ def test_every_planner_over_regions_plans_a_mission(ground, name):
 def test_cells_of_one_look_are_worth_the_first_gain(ground):
     sight: Sight = read_mission(ground()).sight
     np.testing.assert_allclose(sight.worth(np.ones(HEIGHT * WIDTH, int)), sight.first_look)
+
+
+def test_a_bound_of_no_time_is_not_told(ground):
+    mission = read_mission(ground("belief", "detection", more="detection_target = 0.1"))
+    planned = plan_mission(mission, seconds=1.0)
+    best = replace(planned.solution.best, bound=-0.0, bound_proof="a proof", bound_assumes="much")
+    told = replace(planned, solution=replace(planned.solution, best=best)).result(None)
+    assert told["bound"] is told["bound_proof"] is told["bound_assumes"] is told["gap"] is None
+    assert all(bound is None or bound < 0 for _, _, bound in told["trace"])
+
+
+def test_a_drone_that_is_left_nothing_to_find_stays_as_it_is(ground):
+    path = ground("belief", "detection", seconds=30000)
+    text = path.read_text()
+    drone = text[text.index("[[searcher]]") : text.index("[budget]")]
+    path.write_text(text.replace("[budget]", drone + "[budget]"))
+    mission = read_mission(path)
+    planned = plan_mission(mission, seconds=2.0)
+    assert np.isfinite(planned.score.evaluation.total)

@@ -70,7 +70,7 @@ class Watch:
             parts.append(
                 f"{target:.0%} after {-progress.value:.0f} steps" if reached else f"{target:.0%} not reached yet"
             )
-            if math.isfinite(progress.bound):
+            if -math.inf < progress.bound < 0:
                 parts.append(f"never before {-progress.bound:.0f}")
             return "   ".join(parts)
         parts.append(f"{self._verb} {self._told_value(progress.value)}")

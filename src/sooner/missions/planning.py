@@ -64,13 +64,14 @@ class Planned:
         """The object that `sooner plan --json` prints."""
         mission, best = self.score.mission, self.solution.best
         scored = self.score.result()
+        says = best.bound == -inf or self._told_bound(best.bound) is not None
         return {
             "planner": self.planner,
             "objective": objective_name(mission),
             "value": finite(best.value),
-            "bound": finite(best.bound),
-            "bound_proof": best.bound_proof or None,
-            "bound_assumes": best.bound_assumes or None,
+            "bound": self._told_bound(best.bound),
+            "bound_proof": (best.bound_proof or None) if says else None,
+            "bound_assumes": (best.bound_assumes or None) if says else None,
             "gap": finite(best.gap),
             "reference": scored["reference"],
             "reference_name": scored["reference_name"],
@@ -83,9 +84,14 @@ class Planned:
             **{key: value for key, value in scored.items() if key not in ("objective", "value", "efficiency")},
             "brought_forward": self._brought_forward(),
             "links": self._links(),
-            "trace": [[round(p.seconds, 3), finite(p.value), finite(p.bound)] for p in self.solution.trace],
+            "trace": [[round(p.seconds, 3), finite(p.value), self._told_bound(p.bound)] for p in self.solution.trace],
             "version": sooner.__version__,
         }
+
+    def _told_bound(self, bound: float) -> float | None:
+        """A bound for JSON; null where it says nothing, as that no flight reaches a target before it begins."""
+        vacuous = self.score.mission.problem.objective.target is not None and bound >= 0
+        return None if vacuous else finite(bound)
 
     def _brought_forward(self) -> dict[str, Any] | None:
         """What the plan was before, and what share of that it keeps."""

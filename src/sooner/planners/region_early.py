@@ -122,9 +122,12 @@ def _annealed(
 
     starts, atoms, _, _, way_starts, ways, ends = ground.arrays
     count = len(actions)
+    area = _area(ground, actions)
+    if area <= 0.0:  # the others have left it nothing to find
+        return actions
     walk = np.zeros(2 * count + ROOM, np.int64)
     walk[:count] = actions
-    unit = _area(ground, actions) / count
+    unit = area / count
     count = anneal_early(
         starts, atoms, way_starts, ways, ends, nexts, ground.seconds, ground.gains, ground.limit_s, ground.first,
         ground.last < 0, least, PRICE * ground.limit_s, hot * unit, COLD * unit, draws, walk, count,
