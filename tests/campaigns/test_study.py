@@ -369,3 +369,10 @@ def test_the_example_of_the_reference_is_a_study(study):
 def test_the_studies_of_the_repository_can_be_read():
     for file in (Path(__file__).parents[2] / "benchmarks").rglob("study.toml"):
         assert len(read_study(file).asked())
+
+
+def test_tables_there_are_are_told_once_each(study):
+    two = study(SMALL + 2 * "[[tables]]\nname = 'Twice'\n")
+    with pytest.raises(DataFormatError) as raised:
+        two.only(["Other"])
+    assert str(raised.value).count("'Twice'") == 1

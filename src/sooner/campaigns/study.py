@@ -129,7 +129,7 @@ class Study:
         """
         left = [table for table in self.tables if any(fnmatchcase(table.name, name) for name in names)]
         if not left:
-            known = ", ".join(repr(table.name) for table in self.tables)
+            known = ", ".join(dict.fromkeys(repr(table.name) for table in self.tables))
             raise DataFormatError(Fault("tables", "", f"{', '.join(names)} came", f"expected some of {known}"))
         return replace(self, file=self.file.model_copy(update={"tables": left}))
 

@@ -98,7 +98,14 @@ def plan(
 @app.command()
 def evaluate(
     mission: MissionFile,
-    plan: Annotated[Path, typer.Argument(metavar="PLAN", help="searcher,step,row,col lines, or bare row,col.")],
+    plan: Annotated[
+        Path,
+        typer.Argument(
+            metavar="PLAN",
+            help="searcher,step,row,col lines, or bare row,col; "
+            "over regions searcher,action,kind,region,row,col,time_s.",
+        ),
+    ],
     json: Json = False,
 ) -> Work:
     """Score any plan, ours or not, by the judge; an illegal plan is refused with the reason."""

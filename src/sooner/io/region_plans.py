@@ -100,7 +100,7 @@ def read_region_plan(path: Path, problem: SearchProblem) -> Plan:
         faults.append(Fault(str(path), "searcher", came, "expected them numbered from 0 without a gap"))
     raise_any(faults)
     if len(flights) != len(problem.searchers):
-        came = f"a plan for {len(flights)} searchers came"
+        came = f"a plan for {len(flights)} searcher{'s' * (len(flights) != 1)} came"
         raise DataFormatError(Fault(str(path), "searcher", came, f"expected {len(problem.searchers)}"))
     plan = Plan.of(*(_actions(path, problem.searchers[number], flights[number]) for number in range(len(flights))))
     for number, actions in enumerate(plan.actions):

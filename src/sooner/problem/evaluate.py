@@ -136,9 +136,9 @@ def evaluate(problem: SearchProblem, plan: Plan) -> Evaluation:
 def check_legal(problem: SearchProblem, plan: Plan) -> None:
     """Raise IllegalPlanError, with searcher, step and reason, unless the plan keeps every rule."""
     if len(plan.actions) != len(problem.searchers):
-        raise IllegalPlanError(
-            f"a plan for {len(plan.actions)} searchers came; the problem has {len(problem.searchers)}"
-        )
+        count = len(plan.actions)
+        came = f"a plan for {count} searcher{'s' * (count != 1)} came"
+        raise IllegalPlanError(f"{came}; the problem has {len(problem.searchers)}")
     for number, (searcher, actions) in enumerate(zip(problem.searchers, plan.actions, strict=True)):
         fault = searcher.moves.fault(problem.grid, searcher, actions)
         if fault is not None:
