@@ -12,6 +12,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from sooner.planners.branch_and_bound import BranchAndBound
 from sooner.planners.depth_first import DepthFirst, relaxation
 from sooner.planners.planner import Ticks
 from sooner.planners.region_greedy import RegionGreedy
@@ -23,6 +24,7 @@ from sooner.problem.region_ground import RegionGround, single_region_searcher
 __all__ = ["RegionAnneal"]
 
 POLISH = 1e-9
+FEW, BRANCHED = 50, 2000  # among so few actions annealing may never leave a plan; branching looks further
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,8 @@ class RegionAnneal:
                                its own family of walks. The coolest is best where there are many regions; where there
                                are few, it may never leave the plan that it began with
     cold : float               temperature at the end
-    walks : int                started together from the better of depth-first coverage and a greedy walk
+    walks : int                started together from the best of depth-first coverage, a greedy walk and, among few
+                               actions, branch and bound
     halvings : (share, n)      after this share of a round the n best go on, as many of each family
     moves : int                of each thread between two yields; as many more for each further thousand actions
     longest : int              ticks after which a round begins anew, where there is time for more than one
@@ -66,6 +69,9 @@ class RegionAnneal:
         firsts = [next(planner.plans(problem, rng)) for planner in (DepthFirst(), RegionGreedy())]
         best = max(firsts, key=lambda incumbent: incumbent.value)
         share = yield best
+        if ground.n_actions <= FEW:
+            *_, branched = BranchAndBound(iterations=BRANCHED, early=True).plans(problem, rng)
+            best = max(best, branched, key=lambda incumbent: incumbent.value)
         numbers = _Numbers(ground)
         start = best.plan.actions[0]
         rounds, moves = Rounds(self.longest, FIRST_ROUND), self.moves * (1 + ground.n_actions // 1000)
