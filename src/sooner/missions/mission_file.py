@@ -72,13 +72,14 @@ class Mission:
         return 1.0 if self.over_regions else self.step_s
 
 
-def read_mission(path: Path) -> Mission:
+def read_mission(path: Path | str) -> Mission:
     """Read a mission file and the rasters it names.
 
     Raises
     ------
     DataFormatError        with every fault of the file and of its rasters
     """
+    path = Path(path)
     faults = Faults(path)
     settings = faults.settings(read_toml(path, "expected a mission file in TOML"))
     if settings.over_waypoints:
