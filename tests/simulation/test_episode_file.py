@@ -143,7 +143,7 @@ def deeper(said):
         {"beliefs_explored": lambda a: a.astype(int)},
         {"extra": np.zeros(3)},
     ],
-    ids=str,
+    ids=lambda changes: next(iter(changes)),
 )
 def test_what_contradicts_itself_is_refused(saved, changes):
     with pytest.raises(DataFormatError, match="expected an episode"):
