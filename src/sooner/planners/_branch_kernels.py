@@ -301,7 +301,10 @@ def _placed(ground, counts, places):
             for entry in range(starts[action], starts[action + 1]):
                 places[atoms[entry]] += counts[action]
     for atom in range(len(rows)):
-        places[atom] = min(places[atom], rows[atom] + last)
+        place = min(places[atom], rows[atom] + last)
+        while place > rows[atom] and pay[place - 1] == 0.0:
+            place -= 1  # to where looks begin to pay nothing: what an action looks at again lies beyond it in the row
+        places[atom] = place
 
 
 @njit(cache=True, nogil=True)

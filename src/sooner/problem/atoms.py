@@ -87,7 +87,7 @@ class Atoms:
 def atoms_of(footprints: Footprints, n_cells: int) -> Atoms:
     """Group cells by the actions that look at them, and how often each does.
 
-    Every action draws a random number of 64 bits, and those of all looks at a cell are added up: two cells are of one
+    Every action draws a random number of 53 bits, and those of all looks at a cell are added up: two cells are of one
     atom where the sums agree. That they agree by chance would be seen: an action must then look at only some cells of
     an atom, or more often at some, which is checked.
 
@@ -102,7 +102,7 @@ def atoms_of(footprints: Footprints, n_cells: int) -> Atoms:
     from sooner.problem._atom_kernels import add_numbers, grouped, renumber
 
     for seed in range(8):
-        numbers = np.random.default_rng(seed).integers(1, 2**63, footprints.n_actions, dtype=np.uint64)
+        numbers = np.random.default_rng(seed).integers(1, 2**53, footprints.n_actions, dtype=np.uint64)
         sums = np.zeros(n_cells, np.uint64)
         add_numbers(footprints.starts, footprints.cells, numbers, sums)
         of_cell = np.empty(n_cells, np.int32)
@@ -113,7 +113,7 @@ def atoms_of(footprints: Footprints, n_cells: int) -> Atoms:
         atoms = _covered(footprints, of_cell, sizes[order])
         if atoms is not None:
             return atoms
-    raise AssertionError("eight draws of 64-bit numbers all collided")
+    raise AssertionError("eight draws of random numbers all collided")
 
 
 def _covered(footprints: Footprints, of_cell: NDArray[np.int32], sizes: NDArray[np.int64]) -> Atoms | None:
