@@ -1,9 +1,8 @@
-"""The same plans under a count of looks that does not know of actions: every pass in view of a cell is one look.
+"""Plans made for one look at a cell in each action, counted pass by pass: what of their gain is a matter of counting.
 
-The judge counts at most one look at a cell in each action [Kuhlman2017, sec. 6.3]. A large region's search that sees a
-cell from two plow lines is credited once; two small ones that do so are credited twice. So part of what smaller
-regions gain is a matter of counting. Here looks are counted along the whole flight: a cell that comes into view, goes
-out of it and comes again has been looked at twice, whoever flies.
+The paper counts at most one look at a cell in each action [Kuhlman2017, sec. 6.3]. A large region's search that sees a
+cell from two plow lines is credited once; two small ones that do so are credited twice. Here looks are counted along
+the whole flight: a cell that comes into view, goes out of it and comes again has been looked at twice, whoever flies.
 
     python benchmarks/regions/passes.py --environment 1 --seconds 1
 """
@@ -18,31 +17,18 @@ from study import CUTS, KINDS, PRIORS
 from sooner.belief import EvidenceGrid
 from sooner.decomposition import boustrophedon
 from sooner.experiments.flight import cpu_seconds
-from sooner.grid import Grid, rows_and_cols
+from sooner.grid import Grid
 from sooner.planners import solve
 from sooner.planners.region_anneal import RegionAnneal
 from sooner.problem.information_gains import information_gains
 from sooner.problem.region_problem import PRESET_A, PRESET_B, region_problem, two_searches_s
 from sooner.scenarios.natural import natural_environment, starts
-from sooner.sensors import BinarySensor
+from sooner.sensors import BinarySensor, cell_passes
 
 
-def passes(grid: Grid, path: np.ndarray, radius_m: float, step_m: float = 1.0) -> np.ndarray:
-    """(N,) int: how often each cell comes into view along a path, sampled every so many metres."""
-    far = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
-    along = np.arange(0.0, far[-1], step_m)
-    places = rows_and_cols(grid, np.stack([np.interp(along, far, axis) for axis in path.T], axis=-1))
-    reach = int(radius_m / grid.cell_m) + 1
-    rows, cols = np.mgrid[-reach : reach + 1, -reach : reach + 1]
-    found, last = np.zeros(grid.shape, int), np.full(grid.shape, -2)
-    for n, (row, col) in enumerate(places):
-        here = rows + round(row), cols + round(col)
-        near = np.hypot(here[0] - row, here[1] - col) * grid.cell_m <= radius_m
-        near &= (here[0] >= 0) & (here[0] < grid.shape[0]) & (here[1] >= 0) & (here[1] < grid.shape[1])
-        seen = here[0][near], here[1][near]
-        found[seen] += last[seen] < n - 1
-        last[seen] = n
-    return np.where(grid.passable, found.ravel(), 0)
+def passes(grid: Grid, path: np.ndarray, radius_m: float) -> np.ndarray:
+    """(N,) int: how often each cell comes into view along a path."""
+    return np.bincount(cell_passes(grid, path, radius_m)[0], minlength=grid.n_cells)
 
 
 def main() -> None:

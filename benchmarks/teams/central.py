@@ -7,12 +7,13 @@ python benchmarks/teams/central.py --table                              # the ta
 from __future__ import annotations
 
 import argparse
-import csv
 import time
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
+
+from study import read, write
 
 from sooner.belief import EvidenceGrid
 from sooner.bounds import bounds
@@ -66,22 +67,6 @@ def run(environments: Iterable[int], seconds: float, path: Path) -> None:
                 taken = time.process_time() - began
                 numbers = round(value, 3), round(top(problem), 3), round(single, 3), round(taken, 2)
                 write(path, dict(zip(COLUMNS, (*key, *numbers), strict=True)))
-
-
-def read(path: Path) -> list[dict[str, str]]:
-    if not path.exists():
-        return []
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def write(path: Path, row: dict[str, object]) -> None:
-    begun = path.exists()
-    with path.open("a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        if not begun:
-            writer.writeheader()
-        writer.writerow(row)
 
 
 def table(path: Path) -> str:

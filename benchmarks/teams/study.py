@@ -98,7 +98,7 @@ def read(path: Path) -> list[dict[str, str]]:
 def write(path: Path, row: dict[str, object]) -> None:
     begun = path.exists()
     with path.open("a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS)
+        writer = csv.DictWriter(file, list(row))
         if not begun:
             writer.writeheader()
         writer.writerow(row)
