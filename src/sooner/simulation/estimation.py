@@ -94,14 +94,29 @@ class TeamBelief:
         self.track = _begun(estimator, world) if estimator.detector == "lrdt" else None
         self._found = np.empty(most_looks, np.int64)
         self._ratios = np.zeros(n_cells)
+        self._above = self._called = False
 
-    def see(self, second: int, log: LookLog) -> tuple[float, int]:
+    @property
+    def has_called(self) -> bool:
+        """Whether the detector has called."""
+        return self._called
+
+    def see(self, second: int, log: LookLog) -> tuple[float, tuple[int, ...]]:
         """Take in this second's looks: Bayes' law in each cell, nodes detected, the target tracked.
 
         Returns
         -------
-        (float, int)      what the detector holds against its threshold, and the cell where a target is likeliest
+        (float, tuple of int)      what the detector holds against its threshold, and cells where it calls: a tracker
+                                   when it crosses the threshold from below, a test of cells at each that passes
         """
+        total, cell = self._detect(second, log)
+        above = total >= self.estimator.odds
+        calls = above and (not self._above or self.track is None)
+        self._above, self._called = above, self._called or calls
+        return total, (cell,) if calls else ()
+
+    def _detect(self, second: int, log: LookLog) -> tuple[float, int]:
+        """What the detector holds against its threshold, and the cell where a target is likeliest."""
         from sooner.simulation._assimilation_kernels import take_in
 
         states, track = self.states, self.track
@@ -111,8 +126,7 @@ class TeamBelief:
         )  # fmt: skip
         if track is None:
             return odds, cell
-        now = slice(log.start, log.end)
-        return track.second(self._found[:new], log.cells[now], log.target_ratios[now], self._ratios)
+        return track.second(self._found[:new], log.newest_cells, log.newest_target_ratios, self._ratios)
 
     def predict(self) -> None:
         """Before a replan: what was seen says where nodes are likely that nobody has seen, if the prior is kriged."""

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.errors import InvalidProblemError
-from sooner.simulation.agents import STEP_S
-from sooner.simulation.episode import Beliefs, Call, Episode, Looks
+from sooner.simulation.command import Command, CommandPost
+from sooner.simulation.episode import Beliefs, Call, Episode
+from sooner.simulation.in_flight import Flight
 from sooner.simulation.scene import Scene
-from sooner.simulation.sensing import LookLog
-from sooner.simulation.strategies.strategy import Routes, Situation, Strategy
-from sooner.simulation.world import Purpose, Truth, generator, noise_seed
+from sooner.simulation.strategies.strategy import Routes, Strategy
 
 __all__ = ["Keep", "simulate"]
 
@@ -47,16 +44,26 @@ def simulate(scene: Scene, strategy: Strategy, seed: int, keep: Keep = Keep()) -
     >>> bool(flown.nodes_curve[-1] > 0.9)
     True
     """
-    return _Flight(scene, strategy, seed, keep).flown()
+    flight = Flight(scene, seed, scene.starts(strategy, seed), strategy.capture, keep.looks)
+    command = CommandPost(scene, strategy, seed)
+    record = _Record(keep)
+    while not flight.over:
+        flight.look()
+        record.told(flight, *command.see(flight))
+        if flight.second % scene.replan_s == 0:
+            routes = command.plan(flight)
+            if routes is not None:
+                flight.reroute(routes)
+            record.planned(flight)
+        record.believed(flight, command)
+        flight.go_on()
+    return record.episode(flight, command, strategy, seed)
 
 
 @dataclass(eq=False)
-class _Flight:
-    """One search while it is flown."""
+class _Record:
+    """What an episode keeps of a flight, as it comes."""
 
-    scene: Scene
-    strategy: Strategy
-    seed: int
     keep: Keep
     sums: list[float] = field(default_factory=list)
     calls: list[Call] = field(default_factory=list)
@@ -65,154 +72,38 @@ class _Flight:
         default_factory=list
     )
 
-    def __post_init__(self) -> None:
-        scene = self.scene
-        self.truth: Truth = scene.world.truth(self.seed, scene.seconds)
-        self.noise = noise_seed(self.seed)
-        self.log = LookLog(scene.sensing.most_looks, self.keep.looks)
-        self.belief = scene.estimator.begun(scene.world, scene.sensing.most_looks)
-        self.places = scene.starts(self.strategy, self.seed)
-        self.velocities = np.zeros_like(self.places)
-        self.track = np.empty((scene.seconds + 1, *self.places.shape))
-        self.routes = _PackedRoutes(len(scene.agents))
-        self.above = False
-
-    def flown(self) -> Episode:
-        scene, team = self.scene, self.scene.team
-        v_max, a_max, capture = team.v_max, team.a_max, self.strategy.capture * team.radius_m
-        rng = generator(self.seed, Purpose.STRATEGY)
-        session, watch = None, None
-        from sooner.simulation._flight_kernels import fly
-
-        for second in range(scene.seconds):
-            self.track[second] = self.places
-            self._look(second)
-            if second % scene.replan_s == 0:
-                self.belief.predict()
-                situation = self._situation(second)
-                if session is None:
-                    session = self.strategy.session(situation, rng)
-                    watch = getattr(session, "watch", None)
-                self._watched_by(watch)
-                self.routes.take(session.routes(situation), situation.routes)
-                self.plans.append(self.routes.left)
-            else:
-                self._watched_by(watch)
-            self._snapshot(second)
-            self.truth.move(second, self.places)
-            routes = self.routes
-            fly(
-                self.places, self.velocities, v_max, a_max, capture, routes.waypoints, routes.lengths, routes.reached,
-                1.0, STEP_S,
-            )  # fmt: skip
-        self.track[scene.seconds] = self.places
-        return self._episode()
-
-    def _look(self, second: int) -> None:
-        scene = self.scene
-        targets = scene.target_cells[self.truth.nodes_at(second)]
-        scene.sensing.look(second, self.places, scene.world.nodes, targets, self.noise, self.log)
-        total, cell = self.belief.see(second, self.log)
+    def told(self, flight: Flight, total: float, cells: tuple[int, ...]) -> None:
+        """What the detector says after this second's looks."""
         self.sums.append(total)
-        above = total >= scene.estimator.odds
-        if above and (not self.above or scene.estimator.detector == "cbht"):
-            self.calls.append(Call(second, cell, self._target_near(second, cell)))
-        self.above = above
+        self.calls.extend(Call(flight.second, cell, flight.target_near(cell)) for cell in cells)
 
-    def _watched_by(self, watch: Callable[[NDArray[np.int32], NDArray[np.float64]], None] | None) -> None:
-        """A session that keeps a belief of its own is shown this second's looks for a target."""
-        if watch is not None:
-            now = slice(self.log.start, self.log.end)
-            watch(self.log.cells[now], self.log.target_ratios[now])
+    def planned(self, flight: Flight) -> None:
+        """Routes after a replan."""
+        self.plans.append(flight.routes)
 
-    def _target_near(self, second: int, cell: int) -> int:
-        """The nearest target within the largest radius of view of a cell's centre, -1 if there is none."""
-        apart = self.truth.places_at(second) - self.scene.grid.centres_m[cell]
-        if not len(apart):
-            return -1
-        metres = np.hypot(apart[:, 0], apart[:, 1])
-        nearest = int(metres.argmin())
-        return nearest if metres[nearest] <= self.scene.sensing.radius_m.max() else -1
+    def believed(self, flight: Flight, command: Command) -> None:
+        """A copy of what is believed now, if it is time for one."""
+        if self.keep.beliefs_s and flight.second % self.keep.beliefs_s == 0:
+            command.belief.settle()
+            states = command.belief.states
+            self.snapshots.append((flight.second, states.void.copy(), states.occupied.copy(), states.explored.copy()))
 
-    def _situation(self, second: int) -> Situation:
-        scene = self.scene
-        return Situation(
-            grid=scene.grid,
-            agents=scene.agents,
-            now_s=float(second),
-            end_s=float(scene.seconds),
-            replan_s=float(scene.replan_s),
-            places_m=self.places,
-            velocities_mps=self.velocities,
-            routes=self.routes.left,
-            states=self.belief.states,
-            detected_target=bool(self.calls),
-            graph=scene.world.graph,
-        )
-
-    def _snapshot(self, second: int) -> None:
-        if self.keep.beliefs_s and second % self.keep.beliefs_s == 0:
-            self.belief.settle()
-            states = self.belief.states
-            self.snapshots.append((second, states.void.copy(), states.occupied.copy(), states.explored.copy()))
-
-    def _episode(self) -> Episode:
+    def episode(self, flight: Flight, command: Command, strategy: Strategy, seed: int) -> Episode:
+        """The whole flight."""
         return Episode(
-            scene=self.scene,
-            strategy=self.strategy,
-            seed=self.seed,
-            targets=self.scene.world.states.current[self.truth.path],
-            places_m=self.track,
-            node_seconds=self.belief.node_seconds,
+            scene=flight.scene,
+            strategy=strategy,
+            seed=seed,
+            targets=flight.scene.world.states.current[flight.truth.path],
+            places_m=flight.track_m,
+            node_seconds=command.belief.node_seconds,
             sums=np.array(self.sums),
             calls=tuple(self.calls),
             plans=tuple(self.plans),
-            looks=self._looks() if self.keep.looks else None,
+            looks=flight.looks() if self.keep.looks else None,
             beliefs=self._beliefs() if self.snapshots else None,
-        )
-
-    def _looks(self) -> Looks:
-        log, end = self.log, self.log.end
-        return Looks(
-            firsts=np.array([*log.firsts, end], np.int64),
-            cells=log.cells[:end].copy(),
-            agents=log.agents[:end].copy(),
-            map_levels=log.map_levels[:end].copy(),
-            target_levels=log.target_levels[:end].copy(),
         )
 
     def _beliefs(self) -> Beliefs:
         seconds, void, occupied, explored = zip(*self.snapshots, strict=True)
         return Beliefs(np.array(seconds, np.int64), np.array(void), np.array(occupied), np.array(explored))
-
-
-class _PackedRoutes:
-    """Routes of all agents in one array, as the kernel that flies them takes them."""
-
-    def __init__(self, n_agents: int) -> None:
-        self.waypoints = np.zeros((n_agents, 1, 2))
-        self.lengths = np.zeros(n_agents, np.int64)
-        self.reached = np.zeros(n_agents, np.int64)
-
-    @property
-    def left(self) -> Routes:
-        """Waypoints not reached yet, by agent; an agent that has reached all keeps its last."""
-        return tuple(
-            self.waypoints[agent, max(min(reached, length - 1), 0) : length].copy()
-            for agent, (reached, length) in enumerate(zip(self.reached.tolist(), self.lengths.tolist(), strict=True))
-        )
-
-    def take(self, routes: Routes, before: Routes) -> None:
-        """Fly these from now on; the very tuple of `before` changes nothing."""
-        if routes is before:
-            return
-        if len(routes) != len(self.lengths):
-            raise InvalidProblemError(f"routes for {len(routes)} agents came; the team has {len(self.lengths)}")
-        longest = max(max(len(route) for route in routes), 1)
-        self.waypoints = np.zeros((len(routes), longest, 2))
-        self.lengths = np.array([len(route) for route in routes], np.int64)
-        self.reached = np.zeros(len(routes), np.int64)
-        for agent, route in enumerate(routes):
-            self.waypoints[agent, : len(route)] = route
-        if not np.isfinite(self.waypoints).all():
-            raise InvalidProblemError("a waypoint that is not a number came; expected metres east and north")

@@ -146,6 +146,16 @@ class LookLog:
         self.map_ratios = np.empty(room)
         self.target_ratios = np.empty(room)
 
+    @property
+    def newest_cells(self) -> NDArray[np.int32]:
+        """(k,) int32: the cells of the newest second's looks."""
+        return self.cells[self.start : self.end]
+
+    @property
+    def newest_target_ratios(self) -> NDArray[np.float64]:
+        """(k,) float: what the target sensor read there."""
+        return self.target_ratios[self.start : self.end]
+
     def begin(self, second: int, most: int) -> None:
         """Make room for the looks of one more second."""
         self.start = self.end if self.keep else 0

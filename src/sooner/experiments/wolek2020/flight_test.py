@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, cast
 
 import numpy as np
 from numpy.random import Generator
@@ -92,14 +90,13 @@ def track_at(episode: Episode, second: int) -> Track:
         raise ValueError("an episode without its looks came; expected one that kept them")
     belief = where.estimator.begun(where.world, where.sensing.most_looks)
     agents = looks.agents.astype(np.int64)
-    log: Any = SimpleNamespace(
-        cells=looks.cells,
-        map_ratios=where.sensing.ratios[agents, 0, looks.map_levels],
-        target_ratios=where.sensing.ratios[agents, 1, looks.target_levels],
-    )
+    log = LookLog(0)
+    log.cells = looks.cells
+    log.map_ratios = where.sensing.ratios[agents, 0, looks.map_levels]
+    log.target_ratios = where.sensing.ratios[agents, 1, looks.target_levels]
     for now in range(second + 1):
         log.start, log.end = int(looks.firsts[now]), int(looks.firsts[now + 1])
-        belief.see(now, cast("LookLog", log))
+        belief.see(now, log)
         if now % where.replan_s == 0:
             belief.predict()
     if belief.track is None:
