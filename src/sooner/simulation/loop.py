@@ -13,7 +13,7 @@ from sooner.simulation.in_flight import Flight
 from sooner.simulation.scene import Scene
 from sooner.simulation.strategies.strategy import Routes, Strategy
 
-__all__ = ["Keep", "simulate"]
+__all__ = ["Keep", "Record", "simulate"]
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def simulate(scene: Scene, strategy: Strategy, seed: int, keep: Keep = Keep()) -
     """
     flight = Flight(scene, seed, scene.starts(strategy, seed), strategy.capture, keep.looks)
     command = CommandPost(scene, strategy, seed)
-    record = _Record(keep)
+    record = Record(keep)
     while not flight.over:
         flight.look()
         record.told(flight, *command.see(flight))
@@ -61,8 +61,8 @@ def simulate(scene: Scene, strategy: Strategy, seed: int, keep: Keep = Keep()) -
 
 
 @dataclass(eq=False)
-class _Record:
-    """What an episode keeps of a flight, as it comes."""
+class Record:
+    """What an episode keeps of a flight, as it comes; whoever flies one tells it."""
 
     keep: Keep
     sums: list[float] = field(default_factory=list)
@@ -88,8 +88,8 @@ class _Record:
             states = command.belief.states
             self.snapshots.append((flight.second, states.void.copy(), states.occupied.copy(), states.explored.copy()))
 
-    def episode(self, flight: Flight, command: Command, strategy: Strategy, seed: int) -> Episode:
-        """The whole flight."""
+    def episode(self, flight: Flight, command: Command, strategy: Strategy | None, seed: int) -> Episode:
+        """The flight, as far as it has come."""
         return Episode(
             scene=flight.scene,
             strategy=strategy,

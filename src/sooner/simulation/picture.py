@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["animation_of", "picture_of"]
+__all__ = ["animation_of", "frame_of", "picture_of"]
 
 # after Okabe and Ito, and two more
 AGENTS = (
@@ -76,7 +76,7 @@ def animation_of(episode: Episode, every_s: int = 4, frame_ms: int = 120, dpi: i
     from PIL import Image
 
     frames = [
-        Image.open(io.BytesIO(_frame(episode, second, dpi))).convert("P", palette=Image.Palette.ADAPTIVE, colors=64)
+        Image.open(io.BytesIO(frame_of(episode, second, dpi))).convert("P", palette=Image.Palette.ADAPTIVE, colors=64)
         for second in range(0, episode.seconds + 1, every_s)
     ]
     out = io.BytesIO()
@@ -84,7 +84,9 @@ def animation_of(episode: Episode, every_s: int = 4, frame_ms: int = 120, dpi: i
     return out.getvalue()
 
 
-def _frame(episode: Episode, second: int, dpi: int) -> bytes:
+def frame_of(episode: Episode, second: int, dpi: int = 70) -> bytes:
+    """PNG: the map at a second, with the flights of the half minute before it; of later seconds nothing is asked."""
+
     def compose(figure: Figure) -> None:
         axes = figure.add_axes((0.02, 0.02, 0.96, 0.9))
         _draw_map(axes, episode, max(second - 30, 0), second)
