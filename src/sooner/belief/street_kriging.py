@@ -164,6 +164,16 @@ class KrigingSession:
         rows, cols = (size + 2 * self.method.reach(self.grid) for size in self.grid.shape)
         return np.zeros((8, rows * cols))
 
+    def copy(self) -> KrigingSession:
+        """The same session, to go on by itself."""
+        other = KrigingSession(self.method, self.grid)
+        other.restore(self)
+        return other
+
+    def restore(self, kept: KrigingSession) -> None:
+        """Begin the next solution where the session that was kept would."""
+        np.copyto(self._room, kept._room)
+
     def expected_void(
         self, void: Floats, explored: NDArray[np.bool_], edge_angles: ArrayLike, out: Floats | None = None
     ) -> Floats:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,11 @@ from numpy.typing import NDArray
 from sooner.simulation.estimation import TeamBelief
 from sooner.simulation.in_flight import Flight
 from sooner.simulation.scene import Scene
+from sooner.simulation.sensing import LookLog
 from sooner.simulation.strategies.strategy import Routes, Session, Situation, Strategy
 from sooner.simulation.world import Purpose, generator
 
-__all__ = ["Command", "CommandPost"]
+__all__ = ["Command", "CommandPost", "Kept"]
 
 Watch = Callable[[NDArray[np.int32], NDArray[np.float64]], None]
 
@@ -26,11 +28,23 @@ class Command(Protocol):
     def belief(self) -> TeamBelief:
         """What an episode records as believed."""
 
+    @property
+    def node_seconds(self) -> NDArray[np.int64]:
+        """(M,) int64: when each cell's node was detected, -1 not yet."""
+
     def see(self, flight: Flight) -> tuple[float, tuple[int, ...]]:
         """Take in this second's looks: what the detector holds against its threshold, and cells where it calls."""
 
     def plan(self, flight: Flight) -> Routes | None:
         """Routes from now on, by agent; None to go on unchanged."""
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """What a command post believed at a time, to come back to: its belief, and what its session made of the looks."""
+
+    belief: TeamBelief
+    session: Any
 
 
 class CommandPost:
@@ -48,42 +62,78 @@ class CommandPost:
         self.strategy = strategy
         self.belief = scene.estimator.begun(scene.world, scene.sensing.most_looks)
         self._rng = generator(seed, Purpose.STRATEGY)
+        self._newest = LookLog(0)
         self._session: Session | None = None
         self._watch: Watch | None = None
+        self._unwatched: Any = None
+
+    @property
+    def node_seconds(self) -> NDArray[np.int64]:
+        """(M,) int64: when each cell's node was detected, -1 not yet."""
+        return self.belief.node_seconds
 
     def see(self, flight: Flight) -> tuple[float, tuple[int, ...]]:
         """Take in this second's looks; a session with a belief of its own is shown them too."""
-        told = self.belief.see(flight.second, flight.log)
-        self._show(flight)
-        return told
+        return self.hear(flight.second, flight.log)
 
     def plan(self, flight: Flight) -> Routes | None:
         """What the strategy answers to what is believed now."""
+        return self.decide(flight.second, flight.places_m, flight.velocities_mps, flight.routes)
+
+    def hear(self, second: int, log: LookLog) -> tuple[float, tuple[int, ...]]:
+        """Take in the looks of a second, of all agents or of some."""
+        self._newest = log
+        told = self.belief.see(second, log)
+        self._show()
+        return told
+
+    def decide(
+        self, second: int, places_m: NDArray[np.float64], velocities_mps: NDArray[np.float64], routes: Routes
+    ) -> Routes | None:
+        """Routes for agents that are, or are thought to be, at (A, 2) places; None to go on unchanged."""
         self.belief.predict()
-        situation = self._situation(flight)
+        situation = self._situation(second, places_m, velocities_mps, routes)
         if self._session is None:
             self._session = self.strategy.session(situation, self._rng)
             self._watch = getattr(self._session, "watch", None)
-            self._show(flight)
-        routes = self._session.routes(situation)
-        return None if routes is situation.routes else routes
+            self._unwatched = self._remembered()
+            self._show()
+        answer = self._session.routes(situation)
+        return None if answer is situation.routes else answer
 
-    def _show(self, flight: Flight) -> None:
-        """Show this second's looks to a session that keeps a belief of its own."""
+    def kept(self) -> Kept:
+        """A copy of what is believed now."""
+        return Kept(self.belief.copy(), self._remembered())
+
+    def restore(self, kept: Kept) -> None:
+        """Believe again what was believed then; the strategy's random numbers go on."""
+        self.belief.restore(kept.belief)
+        recall = getattr(self._session, "recall", None)
+        if recall is not None:
+            recall(self._unwatched if kept.session is None else kept.session)
+
+    def _remembered(self) -> Any:
+        remembered = getattr(self._session, "remembered", None)
+        return None if remembered is None else remembered()
+
+    def _show(self) -> None:
+        """Show the newest looks to a session that keeps a belief of its own."""
         if self._watch is not None:
-            self._watch(flight.log.newest_cells, flight.log.newest_target_ratios)
+            self._watch(self._newest.newest_cells, self._newest.newest_target_ratios)
 
-    def _situation(self, flight: Flight) -> Situation:
+    def _situation(
+        self, second: int, places_m: NDArray[np.float64], velocities_mps: NDArray[np.float64], routes: Routes
+    ) -> Situation:
         scene = self.scene
         return Situation(
             grid=scene.grid,
             agents=scene.agents,
-            now_s=float(flight.second),
+            now_s=float(second),
             end_s=float(scene.seconds),
             replan_s=float(scene.replan_s),
-            places_m=flight.places_m,
-            velocities_mps=flight.velocities_mps,
-            routes=flight.routes,
+            places_m=places_m,
+            velocities_mps=velocities_mps,
+            routes=routes,
             states=self.belief.states,
             detected_target=self.belief.has_called,
             graph=scene.world.graph,

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sooner.belief.cell_states import CellStates
 from sooner.belief.street_kriging import StreetKriging
@@ -147,6 +150,31 @@ class TeamBelief:
         if self.track is not None:
             states, cells = self.states, np.flatnonzero(self.states.nodes)
             set_nodes(states.void, states.unoccupied, states.occupied, cells, self._ratios[cells])
+
+    def copy(self) -> TeamBelief:
+        """The same belief, to come back to with `restore`."""
+        other = copy(self)
+        other.states, other.node_seconds, other._ratios = (
+            self.states.copy(), self.node_seconds.copy(), self._ratios.copy(),
+        )  # fmt: skip
+        other.track = None if self.track is None else self.track.copy()
+        other._kriging = None if self._kriging is None else self._kriging.copy()
+        return other
+
+    def restore(self, kept: TeamBelief) -> None:
+        """Be again as a copy was, in the arrays that are here."""
+        for own, other in zip(self._arrays(), kept._arrays(), strict=True):
+            np.copyto(own, other)
+        if self._kriging is not None and kept._kriging is not None:
+            self._kriging.restore(kept._kriging)
+        self._above, self._called = kept._above, kept._called
+
+    def _arrays(self) -> Iterator[NDArray[Any]]:
+        states, track = self.states, self.track
+        yield from (states.void, states.unoccupied, states.occupied, states.explored, states.nodes)
+        yield from (self.node_seconds, self._ratios)
+        if track is not None:
+            yield from (track.probability, track.explored, track.found, track.confined)
 
 
 def _begun(estimator: Estimator, world: World) -> Track:

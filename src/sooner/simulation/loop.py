@@ -96,7 +96,7 @@ class Record:
             seed=seed,
             targets=flight.scene.world.states.current[flight.truth.path],
             places_m=flight.track_m,
-            node_seconds=command.belief.node_seconds,
+            node_seconds=command.node_seconds,
             sums=np.array(self.sums),
             calls=tuple(self.calls),
             plans=tuple(self.plans),

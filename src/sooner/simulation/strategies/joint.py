@@ -110,6 +110,14 @@ class JointSession:
         """Take in one second's looks for a target."""
         self._presence.watch(cells, target_ratios)
 
+    def remembered(self) -> Floats:
+        """What was made of the looks so far."""
+        return self._presence.shares.copy()
+
+    def recall(self, kept: Floats) -> None:
+        """Forget all looks since then."""
+        self._presence.shares[:] = kept
+
     def routes(self, situation: Situation) -> Routes:
         """Routes until the end of the mission."""
         from sooner.simulation.strategies._coverage_kernels import improve

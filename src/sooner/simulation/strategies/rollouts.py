@@ -93,6 +93,14 @@ class RolloutsSession:
         """Take in one second's looks for a target."""
         self._presence.watch(cells, target_ratios)
 
+    def remembered(self) -> NDArray[np.float64]:
+        """What was made of the looks so far."""
+        return self._presence.shares.copy()
+
+    def recall(self, kept: NDArray[np.float64]) -> None:
+        """Forget all looks since then."""
+        self._presence.shares[:] = kept
+
     def routes(self, situation: Situation) -> Routes:
         """The best routes that were tried."""
         from sooner.simulation.strategies._coverage_kernels import roll_out

@@ -54,7 +54,9 @@ class Session(Protocol):
     """A strategy at work in one search; it may remember.
 
     It may have a method `watch(cells, target_ratios)` as well, which is shown the looks of every second, those of a
-    replan before the replan: (k,) int32 cells, and P(level | target) / P(level | none) of what was read there.
+    replan before the replan: (k,) int32 cells, and P(level | target) / P(level | none) of what was read there. It then
+    has `remembered()` too, which gives what it has made of them so far, and `recall(kept)`, which goes back to that:
+    over slow links looks come late, and what followed them is watched again.
     """
 
     def routes(self, situation: Situation) -> Routes:
