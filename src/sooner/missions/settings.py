@@ -33,6 +33,7 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Metres = Annotated[float, Field(ge=0.001, le=1_000_000, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Speed = Annotated[float, Field(ge=0.001, le=1_000, allow_inf_nan=False)]
+Altitude = Annotated[float, Field(ge=1, le=10_000, allow_inf_nan=False)]
 
 Share = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)]
 Sensitivity = Annotated[float, Field(ge=0, le=30, allow_inf_nan=False)]
@@ -179,6 +180,10 @@ class Searching(_Table):
     )
     accel_mps2: Speed | None = Field(
         default=None, description="over regions and waypoints: the most, metres a second squared"
+    )
+    altitude_m: Altitude | None = Field(
+        default=None,
+        description="at which an exported flight is flown, above where it takes off; left out: the camera's, or 60",
     )
     radius_m: Positive | None = Field(default=None, description="over waypoints: its own, instead of the sensor's")
     map_sensitivity: Sensitivity | None = Field(default=None, description="over waypoints: likewise")
