@@ -1,0 +1,29 @@
+"""Searches to train in: streets from seeds, the paper's team."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from sooner.scenarios import STREET_KINDS, street_grid
+from sooner.simulation import Scene, World
+
+__all__ = ["generated_scenes"]
+
+
+def generated_scenes(seeds: Iterable[int] = range(12), **settings: Any) -> tuple[Scene, ...]:
+    """A search over 200 m x 200 m of streets from each seed; gridiron, suburb and park by turns.
+
+    Parameters
+    ----------
+    seeds : whole numbers      of the streets. Keep those you train on apart from those you report
+    settings                   of each `Scene`, besides its world
+
+    Examples
+    --------
+    >>> scenes = generated_scenes(range(3), seconds=120)
+    >>> [scene.grid.shape for scene in scenes], scenes[0].seconds
+    ([(40, 40), (40, 40), (40, 40)], 120)
+    """
+    kinds = tuple(STREET_KINDS)
+    return tuple(Scene(World(street_grid(kinds[seed % len(kinds)], seed)), **settings) for seed in seeds)
