@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any
 
 from sooner.scenarios import STREET_KINDS, street_grid
@@ -25,5 +26,10 @@ def generated_scenes(seeds: Iterable[int] = range(12), **settings: Any) -> tuple
     >>> [scene.grid.shape for scene in scenes], scenes[0].seconds
     ([(40, 40), (40, 40), (40, 40)], 120)
     """
+    return tuple(Scene(_city(seed), **settings) for seed in seeds)
+
+
+@lru_cache(maxsize=32)  # worlds never change, and environments that fly side by side may share them
+def _city(seed: int) -> World:
     kinds = tuple(STREET_KINDS)
-    return tuple(Scene(World(street_grid(kinds[seed % len(kinds)], seed)), **settings) for seed in seeds)
+    return World(street_grid(kinds[seed % len(kinds)], seed))

@@ -119,8 +119,8 @@ class SearchEnv(gymnasium.Env[Observation, ArrayLike]):
         self._scene = _asked_for(options, drawn, len(self.scenes))
         search_seed = SEEDS + int(self.np_random.integers(SEEDS)) if seed is None else seed
         self._turns = Turns(self.scenes[self._scene], search_seed, self.capture)
-        self._e = 0.0
-        return observed(self._turns.situation), self._info(self.episode)
+        episode, self._e = self.episode, 0.0
+        return observed(self._turns.situation), self._info(episode)
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Fly these waypoints until the next replan, or the end."""
@@ -158,7 +158,7 @@ class SearchEnv(gymnasium.Env[Observation, ArrayLike]):
             "false_calls": episode.false_calls,
             "nodes": float(episode.nodes_curve[-1]),
             "targets": float(episode.targets_curve[-1]),
-            "e": _score(episode),
+            "e": self._e,
         }
 
 
