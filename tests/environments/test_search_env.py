@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import gymnasium
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -246,3 +247,17 @@ def test_actions_of_others_are_refused():
         env.step({"agent_7": np.zeros((1, 2))})
     with pytest.raises(InvalidProblemError, match="actions of nobody came"):
         env.step({})
+
+
+def test_both_faces_draw_the_same_searches():
+    team, each = SearchEnv((scene(), scene(60))), SearchParallelEnv((scene(), scene(60)))
+    team.reset(seed=5)
+    each.reset(seed=5)
+    for _ in range(5):
+        assert team.reset()[1] == each.reset()[1]["agent_2"]
+
+
+def test_a_negative_seed_is_refused():
+    for env in (SearchEnv(scene()), SearchParallelEnv(scene())):
+        with pytest.raises(gymnasium.error.Error, match="Seed must be"):
+            env.reset(seed=-1)

@@ -32,8 +32,9 @@ for name in ("SearchEnv", "SearchParallelEnv"):
 scene = generated_scenes([0], seconds=5)[0]
 print(simulate(scene, PolicyStrategy(lambda seen: [[[0, 0]]] * 4), 1).seconds)
 """
-    told = "SearchEnv needs Gymnasium: pip install 'sooner[environments]'"
-    assert run(code).splitlines() == [told, told, "5"]
+    how = "pip install 'sooner[environments]'"
+    team, each = f"SearchEnv needs Gymnasium: {how}", f"SearchParallelEnv needs Gymnasium and PettingZoo: {how}"
+    assert run(code).splitlines() == [team, each, "5"]
 
 
 def test_without_pettingzoo_one_is_told_what_to_install():
@@ -47,4 +48,4 @@ try:
 except UnsupportedProblemError as error:
     print(error)
 """
-    assert run(code) == "SearchParallelEnv needs PettingZoo: pip install 'sooner[environments]'\n"
+    assert run(code) == "SearchParallelEnv needs Gymnasium and PettingZoo: pip install 'sooner[environments]'\n"

@@ -2,30 +2,26 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sooner.environments.observation import FARTHEST, MAPS, Observation, observed
-from sooner.environments.scenes import generated_scenes
+from sooner.environments.observation import Observation, observed
+from sooner.environments.searches import RENDER_MODES, Searches
 from sooner.environments.turns import CAPTURE, Turns
-from sooner.environments.waypoints import routes_of
-from sooner.errors import InvalidProblemError, UnsupportedProblemError
+from sooner.errors import UnsupportedProblemError
 from sooner.simulation import Episode, Scene
 
 try:
     import gymnasium
-    from gymnasium import spaces
+
+    from sooner.environments import spaces
 except ImportError:
     raise UnsupportedProblemError("SearchEnv needs Gymnasium: pip install 'sooner[environments]'") from None
 
-__all__ = ["SearchEnv", "action_space_of", "observation_space_of"]
-
-MOST_WAYPOINTS = 100
-SEEDS = 2**31  # seeds drawn by the environment itself are not below this, so that they are none of those you report
+__all__ = ["SearchEnv"]
 
 
 class SearchEnv(gymnasium.Env[Observation, ArrayLike]):
@@ -60,6 +56,7 @@ class SearchEnv(gymnasium.Env[Observation, ArrayLike]):
 
     Examples
     --------
+    >>> from sooner.environments import generated_scenes
     >>> env = SearchEnv(generated_scenes([0, 1], seconds=60))
     >>> observation, info = env.reset(seed=3)
     >>> observation["maps"].shape, info["seed"]
@@ -72,7 +69,7 @@ class SearchEnv(gymnasium.Env[Observation, ArrayLike]):
     (0.0, 60)
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012  (Gymnasium's own convention)
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 4}  # noqa: RUF012  (Gymnasium's own convention)
 
     def __init__(
         self,
@@ -82,124 +79,44 @@ class SearchEnv(gymnasium.Env[Observation, ArrayLike]):
         capture: float = CAPTURE,
         render_mode: str | None = None,
     ) -> None:
-        if not 1 <= waypoints <= MOST_WAYPOINTS:
-            raise InvalidProblemError(f"{waypoints} waypoints an action came; expected 1 to {MOST_WAYPOINTS}")
-        if not (np.isfinite(capture) and capture >= 0.0):
-            raise InvalidProblemError(f"capture = {capture} came; expected a number of at least 0")
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise InvalidProblemError(f"render_mode {render_mode!r} came; expected 'rgb_array' or None")
-        self.scenes = _alike(generated_scenes() if scenes is None else scenes)
-        self.waypoints = waypoints
-        self.capture = capture
+        self._searches = Searches(scenes, waypoints, capture, render_mode)
         self.render_mode = render_mode
-        self.observation_space = observation_space_of(self.scenes[0])
-        self.action_space = action_space_of(len(self.scenes[0].agents), waypoints)
-        self._turns: Turns | None = None
-        self._scene = 0
-        self._e = 0.0
+        self.observation_space = spaces.observations(self.scenes[0])
+        self.action_space = spaces.waypoints(self._searches.n_agents, waypoints)
+
+    @property
+    def scenes(self) -> tuple[Scene, ...]:
+        """What is searched, by number."""
+        return self._searches.scenes
+
+    @property
+    def waypoints(self) -> int:
+        """K."""
+        return self._searches.waypoints
 
     @property
     def turns(self) -> Turns:
         """The search that is flown now."""
-        if self._turns is None:
-            raise InvalidProblemError("an environment that was never reset came; expected reset() first")
-        return self._turns
+        return self._searches.turns
 
     @property
     def episode(self) -> Episode:
         """The record of the search, as far as it has come; reading it is no part of playing by the rules."""
-        return self.turns.episode()
+        return self._searches.episode
 
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin a search; all agents have looked once."""
         super().reset(seed=seed)
-        drawn = int(self.np_random.integers(len(self.scenes)))
-        self._scene = _asked_for(options, drawn, len(self.scenes))
-        search_seed = SEEDS + int(self.np_random.integers(SEEDS)) if seed is None else seed
-        self._turns = Turns(self.scenes[self._scene], search_seed, self.capture)
-        episode, self._e = self.episode, 0.0
-        return observed(self._turns.situation), self._info(episode)
+        self._searches.begin(self.np_random, seed, options)
+        return observed(self.turns.situation), self._searches.info()
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Fly these waypoints until the next replan, or the end."""
-        turns = self.turns
-        if turns.over:
-            raise InvalidProblemError("a step came after the end of the mission; expected reset() first")
-        routes = routes_of(action, turns.scene.grid, len(turns.scene.agents))
-        if len(routes[0]) != self.waypoints:
-            raise InvalidProblemError(f"an action of {len(routes[0])} waypoints came; expected {self.waypoints}")
-        turns.fly(routes)
-        episode = self.episode
-        before, self._e = self._e, _score(episode)
-        return observed(turns.situation), self._e - before, turns.over, False, self._info(episode)
+        reward = self._searches.fly(action)
+        return observed(self.turns.situation), reward, self.turns.over, False, self._searches.info()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """(h, w, 3) uint8 if the mode is "rgb_array": the map as `Episode` animations draw it, now."""
-        if self.render_mode is None:
-            return None
-        from PIL import Image
-
-        from sooner.simulation.picture import frame_of
-
-        drawn = frame_of(self.episode, self.turns.flight.second)
-        return np.array(Image.open(io.BytesIO(drawn)).convert("RGB"))
-
-    def _info(self, episode: Episode) -> dict[str, Any]:
-        """Numbers only, of this moment."""
-        second = self.turns.flight.second
-        return {
-            "scene": self._scene,
-            "seed": episode.seed,
-            "second": second,
-            "sum": float(episode.sums[-1]),
-            "calls": len(episode.calls),
-            "false_calls": episode.false_calls,
-            "nodes": float(episode.nodes_curve[-1]),
-            "targets": float(episode.targets_curve[-1]),
-            "e": self._e,
-        }
-
-
-def observation_space_of(scene: Scene) -> gymnasium.Space[Observation]:
-    """The space of what `observed` returns."""
-    bound = np.tile(np.repeat([FARTHEST, 1.0, FARTHEST], 2).astype(np.float32), (len(scene.agents), 1))
-    space: gymnasium.Space[Any] = spaces.Dict(
-        {
-            "maps": spaces.Box(0.0, 1.0, (len(MAPS), *scene.grid.shape), np.float32),
-            "agents": spaces.Box(-bound, bound, dtype=np.float32),
-            "time_left": spaces.Box(0.0, 1.0, (1,), np.float32),
-            "detected": spaces.Box(0.0, 1.0, (1,), np.float32),
-        }
-    )
-    return space
-
-
-def action_space_of(n_agents: int, waypoints: int) -> spaces.Box:
-    """The space of actions: (A, K, 2) from -1 to 1."""
-    return spaces.Box(-1.0, 1.0, (n_agents, waypoints, 2), np.float32)
-
-
-def _score(episode: Episode) -> float:
-    """E; its half that nodes make, where there are no targets."""
-    return episode.e if episode.n_targets else episode.e_nodes
-
-
-def _alike(scenes: Scene | Sequence[Scene]) -> tuple[Scene, ...]:
-    several = (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
-    if not several:
-        raise InvalidProblemError("no scenes came; expected at least one")
-    different = {(scene.grid.shape, len(scene.agents)) for scene in several}
-    if len(different) > 1:
-        told = ", ".join(f"{rows} x {cols} cells and {agents} agents" for (rows, cols), agents in sorted(different))
-        raise InvalidProblemError(f"scenes of {told} came; expected one shape and one number of agents")
-    return several
-
-
-def _asked_for(options: Mapping[str, Any] | None, drawn: int, n_scenes: int) -> int:
-    """The scene that options ask for, or else the one drawn; other options are others' (wrappers have their own)."""
-    scene = (options or {}).get("scene", drawn)
-    if not isinstance(scene, int | np.integer) or isinstance(scene, bool) or not 0 <= scene < n_scenes:
-        raise InvalidProblemError(f"scene {scene!r} came in options; expected a whole number from 0 to {n_scenes - 1}")
-    return int(scene)
+        """(h, w, 3) uint8 if the mode is "rgb_array"; nothing without a mode."""
+        return None if self.render_mode is None else self._searches.picture()

@@ -8,18 +8,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sooner.environments.observation import Observation, seen_by
-from sooner.environments.search_env import SearchEnv, observation_space_of
+from sooner.environments.observation import Observation, observed, seen_by
+from sooner.environments.searches import RENDER_MODES, Searches
 from sooner.environments.turns import CAPTURE, Turns
 from sooner.environments.waypoints import numbers_of
 from sooner.errors import InvalidProblemError, UnsupportedProblemError
 from sooner.simulation import Episode, Scene
 
 try:
-    from gymnasium import spaces
+    from gymnasium import Space
+    from gymnasium.spaces import Box, flatten, flatten_space
+    from gymnasium.utils.seeding import np_random
     from pettingzoo import ParallelEnv
+
+    from sooner.environments import spaces
 except ImportError:
-    raise UnsupportedProblemError("SearchParallelEnv needs PettingZoo: pip install 'sooner[environments]'") from None
+    told = "SearchParallelEnv needs Gymnasium and PettingZoo: pip install 'sooner[environments]'"
+    raise UnsupportedProblemError(told) from None
 
 __all__ = ["SearchParallelEnv"]
 
@@ -60,7 +65,7 @@ class SearchParallelEnv(ParallelEnv[str, Observation, ArrayLike]):  # type: igno
 
     metadata = {  # noqa: RUF012  (PettingZoo's own convention)
         "name": "unknown_city_v0",
-        "render_modes": ["rgb_array"],
+        "render_modes": RENDER_MODES,
         "render_fps": 4,
         "is_parallelizable": True,
     }
@@ -73,36 +78,37 @@ class SearchParallelEnv(ParallelEnv[str, Observation, ArrayLike]):  # type: igno
         capture: float = CAPTURE,
         render_mode: str | None = None,
     ) -> None:
-        self._team = SearchEnv(scenes, waypoints=waypoints, capture=capture, render_mode=render_mode)
+        self._searches = Searches(scenes, waypoints, capture, render_mode)
         self.render_mode = render_mode
-        scene = self._team.scenes[0]
+        scene = self._searches.scenes[0]
         self.possible_agents = [f"agent_{agent}" for agent in range(len(scene.agents))]
         self.agents: list[str] = []
-        self.observation_spaces = {agent: observation_space_of(scene) for agent in self.possible_agents}
-        self.action_spaces = {agent: _own_action_space(waypoints) for agent in self.possible_agents}
-        self.state_space = spaces.flatten_space(self._team.observation_space)
-        self._seen: Observation = {}
+        self.observation_spaces = {agent: spaces.observations(scene) for agent in self.possible_agents}
+        self.action_spaces = {agent: spaces.waypoints(waypoints) for agent in self.possible_agents}
+        self._common_space = spaces.observations(scene)
+        self.state_space = flatten_space(self._common_space)
+        self._rng = np_random()[0]
 
     @property
     def turns(self) -> Turns:
         """The search that is flown now."""
-        return self._team.turns
+        return self._searches.turns
 
     @property
     def waypoints(self) -> int:
         """How many an action has."""
-        return self._team.waypoints
+        return self._searches.waypoints
 
     @property
     def episode(self) -> Episode:
         """The record of the search, as far as it has come; reading it is no part of playing by the rules."""
-        return self._team.episode
+        return self._searches.episode
 
-    def observation_space(self, agent: str) -> spaces.Space[Observation]:
+    def observation_space(self, agent: str) -> Space[Observation]:
         """Of one agent; all have the like."""
         return self.observation_spaces[agent]
 
-    def action_space(self, agent: str) -> spaces.Box:
+    def action_space(self, agent: str) -> Box:
         """Of one agent; all have the like."""
         return self.action_spaces[agent]
 
@@ -110,36 +116,37 @@ class SearchParallelEnv(ParallelEnv[str, Observation, ArrayLike]):  # type: igno
         self, seed: int | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
         """Begin a search; all agents have looked once."""
-        self._seen, info = self._team.reset(seed=seed, options=options)
+        if seed is not None:
+            self._rng = np_random(seed)[0]
+        self._searches.begin(self._rng, seed, options)
         self.agents = list(self.possible_agents)
-        return self._observations(), {agent: dict(info) for agent in self.agents}
+        return self._observations(), self._infos()
 
     def step(
         self, actions: Mapping[str, ArrayLike]
     ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
         """Fly these waypoints until the next replan, or the end."""
-        self._seen, reward, over, _, info = self._team.step(self._joined(actions))
-        flown = self.possible_agents
+        reward = self._searches.fly(self._joined(actions))
+        flown, over = self.possible_agents, self.turns.over
         self.agents = [] if over else list(flown)
-        return (
-            self._observations(),
-            dict.fromkeys(flown, reward),
-            dict.fromkeys(flown, over),
-            dict.fromkeys(flown, False),
-            {agent: dict(info) for agent in flown},
-        )
+        rewards, overs, cut = dict.fromkeys(flown, reward), dict.fromkeys(flown, over), dict.fromkeys(flown, False)
+        return self._observations(), rewards, overs, cut, self._infos()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """(h, w, 3) uint8 if the mode is "rgb_array"."""
-        return self._team.render()
+        """(h, w, 3) uint8 if the mode is "rgb_array"; nothing without a mode."""
+        return None if self.render_mode is None else self._searches.picture()
 
     def state(self) -> NDArray[np.float32]:
         """The common observation as one flat array."""
-        _ = self.turns
-        return np.asarray(spaces.flatten(self._team.observation_space, self._seen), np.float32)
+        return np.asarray(flatten(self._common_space, observed(self.turns.situation)), np.float32)
 
     def _observations(self) -> dict[str, Observation]:
-        return {name: seen_by(agent, self._seen) for agent, name in enumerate(self.possible_agents)}
+        common = observed(self.turns.situation)
+        return {name: seen_by(agent, common) for agent, name in enumerate(self.possible_agents)}
+
+    def _infos(self) -> dict[str, dict[str, Any]]:
+        info = self._searches.info()
+        return {agent: dict(info) for agent in self.possible_agents}
 
     def _joined(self, actions: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
         """(A, K, 2), the team's action."""
@@ -155,8 +162,3 @@ class SearchParallelEnv(ParallelEnv[str, Observation, ArrayLike]):  # type: igno
                     f"an action of shape {action.shape} came from {agent}; expected {(self.waypoints, 2)}"
                 )
         return np.stack(own)
-
-
-def _own_action_space(waypoints: int) -> spaces.Box:
-    """The space of one agent's actions: (K, 2) from -1 to 1."""
-    return spaces.Box(-1.0, 1.0, (waypoints, 2), np.float32)
