@@ -133,4 +133,4 @@ def test_a_replan_that_cannot_be_is_refused(sooner, evidence, every, told):
 def test_a_replan_for_a_person_is_refused_with_the_reason(sooner, mission):
     ended = sooner("simulate", mission, "--replan", "20")
     assert ended.status == 2
-    assert "which the plan counts on already" in ended.err
+    assert "every look says no, which the plan counts on already" in ended.err

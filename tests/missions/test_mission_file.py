@@ -105,10 +105,10 @@ BAD = {
     ),
     "a target over evidence": (EVIDENCE + "[objective]\ndetection_target = 0.5\n", "objective.detection_target", "poc"),
     "false alarms without hits": (EVIDENCE.replace("detect = 0.85", ""), "sensor.detect", "nothing came"),
-    "false alarms over weights": (
-        spoiled("glimpse = 0.5", "detect = 0.9\nfalse_alarm = 0.1"),
-        "sensor.false_alarm",
-        "expected area.evidence",
+    "false alarms of looks that correlate": (
+        spoiled("glimpse = 0.5", "detect = 0.9\nfalse_alarm = 0.1\ncorrelation = 0.5"),
+        "sensor.correlation",
+        "each look by itself",
     ),
     "no more hits than false alarms": (
         EVIDENCE.replace("false_alarm = 0.15", "false_alarm = 0.85"),

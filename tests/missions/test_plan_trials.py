@@ -5,7 +5,8 @@ import pytest
 
 from sooner.io import raster_csv
 from sooner.missions import plan_mission, read_mission
-from sooner.missions.plan_trials import Flyover, PlanTrials, fly_plan
+from sooner.missions.plan_trials import Flyover, PlanTrial, PlanTrials, fly_plan
+from sooner.simulation.hidden import Hidden
 from tests.small_mission import small_mission, written
 
 TRIALS = 4000
@@ -41,12 +42,15 @@ start = [1, 1]
 [budget]
 steps = 60
 """
+ALARMS = SMALL.replace("glimpse = 0.5", "detect = 0.6\nfalse_alarm = 0.1")
 FLOWN = {
     "a person over cells": SMALL,
     "a person who may be elsewhere": SMALL.replace("cell_m", "outside = 0.4\ncell_m"),
     "looks that correlate": SMALL.replace("glimpse = 0.5", "glimpse = 0.5\ncorrelation = 0.4"),
     "two drones": TWO,
     "a person, in bits": SMALL + INFORMATION,
+    "a person, and false alarms": ALARMS,
+    "a person and false alarms, in bits": ALARMS + INFORMATION,
     "targets over cells": OVER_CELLS,
     "what there is to learn over cells": OVER_CELLS + INFORMATION,
     "rates over cells": OVER_CELLS.replace("detect = 0.8\nfalse_alarm = 0.1", 'model = "beta"') + INFORMATION,
@@ -78,16 +82,27 @@ def test_cells_are_flown_over_as_often_as_the_judge_counts(tmp_path, text):
     score = planned(tmp_path, text)
     flyover = Flyover.of(score)
     np.testing.assert_array_equal(flyover.counts, score.looks)
-    assert (np.diff(flyover.times) >= 0).all()
-    assert flyover.times[-1] <= max(searcher.budget for searcher in score.mission.problem.searchers) + 1e-6
+    assert (np.diff(flyover.looks.times) >= 0).all()
+    assert flyover.looks.times[-1] <= max(searcher.budget for searcher in score.mission.problem.searchers) + 1e-6
 
 
 def test_false_alarms_come_as_often_as_the_sensor_errs(tmp_path):
     score = planned(tmp_path, OVER_CELLS)
     flyover, trials = Flyover.of(score), PlanTrials(score, tuple(fly_plan(score, range(2000))))
     theta = score.mission.sight.theta.ravel()
-    expected = 0.1 * (1.0 - theta[flyover.cells]).sum()
+    expected = 0.1 * (1.0 - theta[flyover.looks.cells]).sum()
     assert abs(trials.false_alarms.value - expected) < 4.0 * trials.false_alarms.error
+
+
+@pytest.mark.parametrize("name", ["a person over cells", "looks that correlate", "a person who may be elsewhere"])
+def test_a_person_is_found_by_all_looks_as_by_those_at_his_cell(tmp_path, name):
+    score = planned(tmp_path, FLOWN[name])
+    flyover = Flyover.of(score)
+    for seed in range(100):
+        hidden = Hidden(score.mission.sight.answers, seed)
+        hidden.look(flyover.looks.cells, flyover.looks.times)
+        one, other = flyover.flown(seed), PlanTrial.told(seed, score.mission.sight, hidden)
+        np.testing.assert_equal(vars(one), vars(other))
 
 
 def test_a_seed_is_one_flight_whatever_is_flown_beside_it(tmp_path):

@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from math import nan
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator, SeedSequence, default_rng
 from numpy.typing import NDArray
 
-from sooner.belief import Belief, BetaGrid, EvidenceGrid
-from sooner.belief.evidence import binary_entropy
+from sooner.belief import Belief, BetaGrid
+from sooner.belief.evidence import binary_entropy, theta_from_counts
 from sooner.errors import UnsupportedProblemError
 from sooner.missions.estimates import Mean
-from sooner.missions.hidden import PURPOSE, HiddenTargets, theta_after
 from sooner.missions.processes import for_each_seed
 from sooner.missions.score import Score
 from sooner.missions.sight import Sight
 from sooner.problem import Plan, SearchProblem
 from sooner.problem.regions import RegionMoves
-from sooner.sensors import miss_after_looks
+from sooner.simulation.answers import AnswerModel, rate_entropy
+from sooner.simulation.hidden import Hidden, Noise
 
-__all__ = ["COLUMNS", "Flyover", "PlanTrial", "PlanTrials", "fly_plan", "looks_of"]
+__all__ = ["COLUMNS", "Flyover", "PlanLooks", "PlanTrial", "PlanTrials", "fly_plan"]
 
 COLUMNS = ("seed", "value", "found", "there", "first_s", "mean_s", "false_alarms")
 Floats = NDArray[np.float64]
@@ -32,102 +31,120 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Flyover:
-    """Every look of a plan, in order of time: what a flight amounts to for those who are hidden.
+class PlanLooks:
+    """Looks in order of time.
 
     Parameters
     ----------
-    sight : Sight                  what may be hidden where, and what a look sees of it
-    cells : (n,) int64             that are looked at
-    times : (n,) float             when, in the unit of the judge: steps over cells, seconds over regions
+    cells : (n,) int64         that are looked at
+    times : (n,) float         when, in the unit of the judge: steps over cells, seconds over regions
+    searchers : (n,) int64     by whom
+    """
+
+    cells: Ints
+    times: Floats
+    searchers: Ints
+
+    @classmethod
+    def of(cls, problem: SearchProblem, plan: Plan) -> PlanLooks:
+        """The looks of a plan, cell by cell, without atoms and gains: as a camera would take them."""
+        parts = []
+        for number, (searcher, actions) in enumerate(zip(problem.searchers, plan.actions, strict=True)):
+            if isinstance(searcher.moves, RegionMoves):
+                cells, times = _over_regions(searcher.moves, actions)
+            else:
+                looks = searcher.moves.looks(problem.grid, searcher, actions)
+                cells, times = looks.items.astype(np.int64), looks.times
+            parts.append(cls(cells, times, np.full(len(cells), number)))
+        return cls.joined(parts)
+
+    @classmethod
+    def joined(cls, parts: Sequence[PlanLooks]) -> PlanLooks:
+        """All of them, in order of time."""
+        cells, times, searchers = (
+            np.concatenate([getattr(part, name) for part in parts]) for name in ("cells", "times", "searchers")
+        )
+        order = np.argsort(times, kind="stable")
+        return cls(cells[order], times[order], searchers[order])
+
+    def where(self, chosen: NDArray[np.bool_]) -> PlanLooks:
+        """Some of them, (n,) bool."""
+        return PlanLooks(self.cells[chosen], self.times[chosen], self.searchers[chosen])
+
+
+@dataclass(frozen=True, eq=False)
+class Flyover:
+    """A plan as those who are hidden meet it: its looks, in order of time, whatever they answer.
+
+    Parameters
+    ----------
+    sight : Sight            what may be hidden where, and what a look sees of it
+    looks : PlanLooks
     """
 
     sight: Sight
-    cells: Ints
-    times: Floats
+    looks: PlanLooks
 
     @classmethod
     def of(cls, score: Score) -> Flyover:
-        """The looks of a plan, cell by cell, without atoms and gains: as a camera would take them."""
-        return cls(score.mission.sight, *looks_of(score.mission.problem, score.plan))
+        """The looks of a plan that has been scored."""
+        return cls(score.mission.sight, PlanLooks.of(score.mission.problem, score.plan))
 
     @cached_property
     def counts(self) -> Ints:
         """(N,) int64: looks at each cell."""
-        return np.bincount(self.cells, minlength=self.sight.theta.size)
-
-    @cached_property
-    def by_cell(self) -> tuple[Ints, Ints]:
-        """Looks cell by cell, in order of time, and where those of each cell begin, (N + 1,)."""
-        return np.argsort(self.cells, kind="stable"), np.append(0, np.cumsum(self.counts))
+        return np.bincount(self.looks.cells, minlength=self._model.n_cells)
 
     def flown(self, seed: int) -> PlanTrial:
         """One flight against what this seed hides."""
-        rng = default_rng(SeedSequence(entropy=seed, spawn_key=(PURPOSE,)))
-        known = self.sight.known
-        if isinstance(known, Belief):
-            return self._person(seed, known, rng)
-        if isinstance(known, EvidenceGrid):
-            return self._targets(seed)
-        return self._rates(seed, known, rng)
+        if isinstance(self.sight.known, Belief) and not self.sight.false_alarm:
+            return self._without_alarms(seed)
+        hidden = Hidden(self._model, seed)
+        hidden.look(self.looks.cells, self.looks.times)
+        return PlanTrial.told(seed, self.sight, hidden)
 
-    def _person(self, seed: int, belief: Belief, rng: Generator) -> PlanTrial:
-        """One person in one cell, or outside the map."""
-        ends = np.cumsum(belief.poc.ravel())
-        cell = int(np.searchsorted(ends, rng.random(), side="right"))
-        there = cell < len(ends)
-        order, starts = self.by_cell
+    def _without_alarms(self, seed: int) -> PlanTrial:
+        """As `flown`, where one person is sought without false alarms: what looks elsewhere answer is known."""
+        noise = Noise(seed)
+        cell = self._model.person(noise.stream())
+        there = cell < self._model.n_cells
+        order, starts = self._by_cell
         own = order[starts[cell] : starts[cell + 1]] if there else order[:0]
-        seen = rng.random(len(own)) < self._chances(cell, len(own)) if there else np.zeros(0, bool)
+        numbers = np.arange(len(own))
+        seen = noise.of_looks(np.full(len(own), cell), numbers) < (
+            self._model.first_chance(cell, len(own)) if there else 0.0
+        )
         found = bool(seen.any())
-        time = float(self.times[own[np.argmax(seen)]]) if found else nan
+        time = float(self.looks.times[own[np.argmax(seen)]]) if found else nan
         value = float(found)
         if self.sight.objective.kind == "information":
             hits = np.zeros(self.counts.size, np.int64)
-            if there:
-                hits[cell] = seen.sum()
-            value = self._learnt(np.minimum(belief.poc.ravel(), 1.0), hits)
+            hits[cell : cell + 1] = seen.sum()
+            value = learnt(self.sight, self.counts, hits)
         return PlanTrial(seed, value, int(found), int(there), time, time)
 
-    def _chances(self, cell: int, looks: int) -> Floats:
-        """(looks,) float: P(a look detects who is in the cell | all before have missed)."""
-        misses = miss_after_looks(np.array([self._detect[cell]]), looks, self.sight.correlation)[0]
-        return np.asarray(1.0 - np.divide(misses[1:], misses[:-1], out=np.ones(looks), where=misses[:-1] > 0))
-
-    def _targets(self, seed: int) -> PlanTrial:
-        """In each cell a target or none."""
-        hidden = HiddenTargets(self.sight, seed)
-        hidden.look(self.cells, self.times)
-        return self.told(seed, hidden)
-
-    def told(self, seed: int, hidden: HiddenTargets) -> PlanTrial:
-        """What looks have come to."""
-        times = hidden.first[np.isfinite(hidden.first)]
-        found = len(times)
-        value = float(found)
-        if self.sight.objective.kind == "information":
-            value = self._learnt(self.sight.theta.ravel(), hidden.hits)
-        first, mean = (float(times.min()), float(times.mean())) if found else (nan, nan)
-        return PlanTrial(seed, value, found, int(hidden.there.sum()), first, mean, hidden.false_alarms)
-
-    def _rates(self, seed: int, known: BetaGrid, rng: Generator) -> PlanTrial:
-        """In each cell targets that come and go, in view at a rate of the cell's own."""
-        seen = np.flatnonzero(self.counts)
-        alpha, beta, looks = known.alpha.ravel()[seen], known.beta.ravel()[seen], self.counts[seen]
-        hits = rng.binomial(looks, rng.beta(alpha, beta))
-        learnt = _beta_entropy(alpha, beta) - _beta_entropy(alpha + hits, beta + looks - hits)
-        return PlanTrial(seed, float(learnt.sum()), int(hits.sum()), 0, nan, nan)
-
-    def _learnt(self, theta: Floats, hits: Ints) -> float:
-        """Bits by which cells are less uncertain after so many looks that said yes; it may be less than nothing."""
-        seen = np.flatnonzero(self.counts)
-        prior, looks = theta[seen], self.counts[seen]
-        posterior = theta_after(prior, self._detect[seen], self.sight.false_alarm, looks, hits[seen])
-        return float((binary_entropy(prior) - binary_entropy(posterior)).sum())
+    @cached_property
+    def _by_cell(self) -> tuple[Ints, Ints]:
+        """Looks cell by cell, in order of time, and where those of each cell begin, (N + 1,)."""
+        return np.argsort(self.looks.cells, kind="stable"), np.append(0, np.cumsum(self.counts))
 
     @cached_property
-    def _detect(self) -> Floats:
-        return self.sight.glimpse.ravel()
+    def _model(self) -> AnswerModel:
+        return self.sight.answers
+
+
+def learnt(sight: Sight, looks: Ints, hits: Ints) -> float:
+    """Bits by which cells, each by itself, are less uncertain after so many looks; it may be less than nothing."""
+    seen = np.flatnonzero(looks)
+    if isinstance(sight.known, BetaGrid):
+        alpha, beta = sight.known.alpha.ravel()[seen], sight.known.beta.ravel()[seen]
+        later = rate_entropy(alpha + hits[seen], beta + (looks - hits)[seen])
+        return float((rate_entropy(alpha, beta) - later).sum())
+    prior = sight.theta.ravel()[seen]
+    posterior = theta_from_counts(
+        prior, (looks - hits)[seen], hits[seen], sight.glimpse.ravel()[seen], sight.false_alarm
+    )
+    return float((binary_entropy(prior) - binary_entropy(posterior)).sum())
 
 
 @dataclass(frozen=True)
@@ -151,6 +168,16 @@ class PlanTrial:
     first: float
     mean: float
     false_alarms: int = 0
+
+    @classmethod
+    def told(cls, seed: int, sight: Sight, hidden: Hidden) -> PlanTrial:
+        """What looks have come to."""
+        there = hidden.there
+        times = hidden.first[there][np.isfinite(hidden.first[there])]
+        found = int(hidden.hits.sum()) if isinstance(sight.known, BetaGrid) else len(times)
+        value = learnt(sight, hidden.looks, hidden.hits) if sight.objective.kind == "information" else float(found)
+        first, mean = (float(times.min()), float(times.mean())) if len(times) else (nan, nan)
+        return cls(seed, value, found, len(there), first, mean, hidden.false_alarms)
 
     def row(self, unit_s: float | None) -> list[str]:
         """A line of `trials.csv`; times in seconds, empty where there is none or nobody knows how long a step takes."""
@@ -229,20 +256,6 @@ def _fly(flyover: Flyover, seed: int) -> PlanTrial:
     return flyover.flown(seed)
 
 
-def looks_of(problem: SearchProblem, plan: Plan) -> tuple[Ints, Floats]:
-    """Cells that a plan looks at, in order of time, and when: without atoms, as a camera would see them."""
-    parts = []
-    for searcher, actions in zip(problem.searchers, plan.actions, strict=True):
-        if isinstance(searcher.moves, RegionMoves):
-            parts.append(_over_regions(searcher.moves, actions))
-        else:
-            looks = searcher.moves.looks(problem.grid, searcher, actions)
-            parts.append((looks.items, looks.times))
-    cells, times = (np.concatenate(each) for each in zip(*parts, strict=True))
-    order = np.argsort(times, kind="stable")
-    return cells[order].astype(np.int64), times[order]
-
-
 def _over_regions(moves: RegionMoves, actions: Ints) -> tuple[Ints, Floats]:
     """Cells as they come into view, and when."""
     footprints = moves.graph.footprints
@@ -252,14 +265,3 @@ def _over_regions(moves: RegionMoves, actions: Ints) -> tuple[Ints, Floats]:
         cells.append(footprints.cells[entries].astype(np.int64))
         times.append(begun + (footprints.back_s if turned else footprints.seconds)[entries].astype(float))
     return np.concatenate(cells), np.concatenate(times)
-
-
-def _beta_entropy(alpha: Floats, beta: Floats) -> Floats:
-    """Differential entropy of Beta laws, bits."""
-    from scipy.special import betaln, psi
-
-    nats = (
-        betaln(alpha, beta) - (alpha - 1.0) * psi(alpha) - (beta - 1.0) * psi(beta)
-        + (alpha + beta - 2.0) * psi(alpha + beta)
-    )  # fmt: skip
-    return np.asarray(nats / np.log(2.0))

@@ -9,21 +9,23 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.belief import EvidenceGrid
+from sooner.belief import Belief, BetaGrid, EvidenceGrid
 from sooner.errors import DataFormatError, Fault
-from sooner.missions.hidden import HiddenTargets, theta_after
+from sooner.missions.aloft import Aloft, Stretch
 from sooner.missions.mission_file import Mission
-from sooner.missions.plan_trials import Flyover, PlanTrial, looks_of
+from sooner.missions.plan_trials import PlanTrial
 from sooner.missions.planning import Planned, wrapped
 from sooner.missions.processes import for_each_seed
 from sooner.missions.sight import Sight
 from sooner.planners import Status, max_ticks, solve
 from sooner.planners.registry import make_planner
-from sooner.problem import CellMoves, Gains, Plan, Searcher, SearchProblem, evaluate
-from sooner.problem.atoms import atom_gains
+from sooner.problem import Gains, Plan, SearchProblem, evaluate
+from sooner.problem.atoms import Rows, atom_gains
 from sooner.problem.regions import RegionMoves
+from sooner.simulation.answers import theta_of
+from sooner.simulation.hidden import Hidden
 
-__all__ = ["Replanning", "check_replanning", "fly_replanned"]
+__all__ = ["TICKS", "Replanning", "check_replanning", "fly_replanned"]
 
 TICKS = 20  # of the planner at each replan: as many on every machine, so that a seed is one flight
 
@@ -32,16 +34,20 @@ TICKS = 20  # of the planner at each replan: as many on every machine, so that a
 class Replanning:
     """Fly a plan for some time, work out from the answers what cells hold now, plan the rest for that, and so on.
 
-    A yes where a target is counts it as found, so that a cell that said yes pays nothing more where targets are
-    counted; where bits are counted it pays what is left to learn. The new plan is flown only if the judge prefers it to
-    what is left of the old one.
+    A yes where a target is counts it as found, so that a cell that said yes pays nothing more where targets, or the one
+    person, are to be found; where bits are counted it pays what is left to learn. One person with false alarms: a no
+    makes all other cells likelier, and those that said yes are left to who goes and sees. The new plan is flown only if
+    the judge prefers it to what is left of the old one.
+
+    Over regions an action that has begun is flown to its end: a plan is made as soon as some drone is free, and for the
+    others begins where and when they will be, with the looks that they still will take counted as taken.
 
     Parameters
     ----------
     mission : Mission
     plan : Plan             the first one
     planner : str
-    every : float           time between plans, in the judge's unit: steps over cells, seconds over regions
+    every : float           time between plans, in the judge's unit: steps over cells, seconds over regions; inf: never
     ticks : int             of the planner at each replan
     """
 
@@ -53,17 +59,21 @@ class Replanning:
 
     def flown(self, seed: int) -> PlanTrial:
         """One flight against what this seed hides."""
-        hidden, sight = HiddenTargets(self.mission.sight, seed), self.mission.sight
-        problem, plan, begun = self.mission.problem, self.plan, 0.0
-        while True:
-            part = _parted(problem, plan, self.every)
-            hidden.look(part.cells, begun + part.times)
-            if part.rest is None:
-                break
-            gains = _gains(problem, self._sight(hidden))
-            problem, begun = replace(problem, gains=gains, searchers=part.searchers), begun + part.until
-            plan = self._better(problem, part.rest, seed)
-        return Flyover(sight, np.repeat(np.arange(hidden.looks.size), hidden.looks), np.empty(0)).told(seed, hidden)
+        hidden = Hidden(self.mission.sight.answers, seed)
+        for stretch in self.stretches(hidden, seed):
+            hidden.look(stretch.soon.cells, stretch.soon.times)
+        return PlanTrial.told(seed, self.mission.sight, hidden)
+
+    def stretches(self, hidden: Hidden, seed: int) -> Iterator[Stretch]:
+        """The flight from plan to plan; who asks takes the looks of each stretch before asking for the next."""
+        aloft: Aloft | None = Aloft.of(self.mission.problem, self.plan)
+        while aloft is not None:
+            stretch = aloft.until(self.every)
+            yield stretch
+            aloft = stretch.left
+            if aloft is not None:
+                problem = replace(aloft.problem, gains=self._gains(aloft, self._sight(hidden)))
+                aloft = replace(aloft, problem=problem, plan=self._better(problem, aloft.plan, seed))
 
     def _better(self, problem: SearchProblem, old: Plan, seed: int) -> Plan:
         """What the planner finds, if the judge prefers it to what is left of the old plan."""
@@ -76,49 +86,44 @@ class Replanning:
         new = solution.best.plan
         return new if evaluate(problem, new).value > evaluate(problem, old).value else old
 
-    def _sight(self, hidden: HiddenTargets) -> Sight:
-        sight = self.mission.sight
-        detect = sight.glimpse.ravel()
-        theta = theta_after(sight.theta.ravel(), detect, sight.false_alarm, hidden.looks, hidden.hits)
+    def _sight(self, hidden: Hidden) -> Sight:
+        """What is known by now: of one person how likely he is in each cell, which is all that gains depend on."""
+        sight, known = self.mission.sight, hidden.model.after(hidden.looks, hidden.hits)
+        if isinstance(known, BetaGrid):
+            return replace(sight, known=known)
+        theta = theta_of(known)
         if sight.objective.kind == "detection":
             theta = np.where(hidden.hits > 0, 0.0, theta)
         return replace(sight, known=EvidenceGrid(theta.reshape(sight.theta.shape)))
 
-
-@dataclass(frozen=True, eq=False)
-class _Part:
-    """Looks until the next plan; then who flies on from where, with what is left of the old plan, and when.
-
-    rest is None where flights end before that. Over cells the look at where the rest begins is part of the rest.
-    """
-
-    cells: NDArray[np.int64]
-    times: NDArray[np.float64]
-    rest: Plan | None = None
-    searchers: tuple[Searcher, ...] = ()
-    until: float = 0.0
+    def _gains(self, aloft: Aloft, sight: Sight) -> Gains:
+        """What looks pay that follow those which are still to come."""
+        moves = aloft.problem.searchers[0].moves
+        if not isinstance(moves, RegionMoves):
+            return sight.gains  # over cells all drones are free at every step
+        return atom_gains(moves.atoms, _later(sight.rows, np.bincount(aloft.pending.cells, minlength=sight.theta.size)))
 
 
 def check_replanning(mission: Mission) -> None:
-    """Refuse where answers teach nothing that the plan does not know, or where drones come free at different times.
+    """Refuse where answers teach nothing that the plan does not know, or where nobody would know all of them.
 
     Raises
     ------
     DataFormatError
     """
-    if not isinstance(mission.sight.known, EvidenceGrid):
-        came = "it came, and area.poc" if mission.belief is not None else 'it came, and model = "beta"'
+    if isinstance(mission.sight.known, Belief) and not mission.sight.false_alarm:
+        came = "it came, and area.poc without false alarms"
         why = (
-            "expected area.evidence: one person is not found until he is, which the plan counts on already"
-            if mission.belief is not None
-            else 'expected it left out, or model = "binary"'
+            "expected area.evidence, or sensor.false_alarm: until the person is found every look says no, "
+            "which the plan counts on already"
         )
         raise DataFormatError(Fault("--replan", "", came, why))
+    if mission.problem.objective.target is not None:
+        came = f"it came beside objective.detection_target = {mission.problem.objective.target:g}"
+        raise DataFormatError(Fault("--replan", "", came, "expected one of them: replans are for the most by the end"))
     if mission.settings.links is not None:
-        raise DataFormatError(Fault("--replan", "", "it came beside [links]", "expected one of them"))
-    if mission.over_regions and len(mission.problem.searchers) > 1:
-        came = f"it came, and {len(mission.problem.searchers)} drones over regions"
-        raise DataFormatError(Fault("--replan", "", came, "expected one: this version replans for one, or over cells"))
+        why = "expected one of them: over links no drone knows all that the others have seen, as a new plan must"
+        raise DataFormatError(Fault("--replan", "", "it came beside [links]", why))
 
 
 def fly_replanned(planned: Planned, every: float, seeds: range, workers: int = 1) -> Iterator[PlanTrial]:
@@ -133,47 +138,13 @@ def _fly(replanning: Replanning, seed: int) -> PlanTrial:
     return replanning.flown(seed)
 
 
-def _over_regions(problem: SearchProblem) -> bool:
-    return isinstance(problem.searchers[0].moves, RegionMoves)
+def _later(rows: Rows, taken: NDArray[np.int64]) -> Rows:
+    """What the looks after so many (N,) pay, as many of them as `rows` tells."""
 
+    def later(cells: NDArray[np.int64]) -> NDArray[np.float64]:
+        paid = rows(cells)
+        number = np.arange(paid.shape[1]) + taken[cells, None]
+        last = paid.shape[1] - 1
+        return np.where(number <= last, np.take_along_axis(paid, np.minimum(number, last), axis=1), 0.0)
 
-def _parted(problem: SearchProblem, plan: Plan, every: float) -> _Part:
-    """What is flown before the next plan, and what is left."""
-    if isinstance(problem.searchers[0].moves, RegionMoves):
-        return _parted_over_regions(problem, plan, every)
-    steps = int(every)
-    going = [n for n, actions in enumerate(plan.actions) if len(actions) > steps + 1]
-    if not going:
-        return _Part(*looks_of(problem, plan))
-    flown = Plan(tuple(actions[:steps] if n in going else actions for n, actions in enumerate(plan.actions)))
-    searchers = tuple(_further(problem, problem.searchers[n], plan.actions[n], steps) for n in going)
-    return _Part(
-        *looks_of(problem, flown), Plan(tuple(plan.actions[n][steps:] for n in going)), searchers, float(steps)
-    )
-
-
-def _further(problem: SearchProblem, searcher: Searcher, actions: NDArray[np.int64], steps: int) -> Searcher:
-    wing = isinstance(searcher.moves, CellMoves) and searcher.moves.kind == "fixed_wing"
-    start, before = (problem.grid.cell(int(actions[n])) for n in (steps, steps - 1))
-    return replace(searcher, start=start, budget=searcher.steps - steps, came_from=before if wing else None)
-
-
-def _parted_over_regions(problem: SearchProblem, plan: Plan, every: float) -> _Part:
-    searcher, actions = problem.searcher, plan.actions[0]
-    moves = searcher.moves
-    assert isinstance(moves, RegionMoves)
-    here, now = moves.first, float(moves.graph.seconds[moves.depart]) if moves.depart >= 0 else 0.0
-    for number, action in enumerate(actions[:-1].tolist(), 1):
-        there = moves.graph.target(action, here)
-        here, now = here if there is None else there, now + float(moves.graph.seconds[action])
-        if now >= every:
-            going = replace(searcher, moves=replace(moves, back=-1))
-            flown = looks_of(replace(problem, searchers=(going,)), Plan((actions[:number],)))
-            left = replace(searcher, moves=replace(moves, first=here, depart=-1), budget=searcher.budget - now)
-            return _Part(*flown, Plan((actions[number:],)), (left,), now)
-    return _Part(*looks_of(problem, plan))
-
-
-def _gains(problem: SearchProblem, sight: Sight) -> Gains:
-    moves = problem.searchers[0].moves
-    return atom_gains(moves.atoms, sight.rows) if isinstance(moves, RegionMoves) else sight.gains
+    return later

@@ -125,7 +125,7 @@ class Sensor(_Table):
         default=None,
         ge=0,
         le=1,
-        description="P(a look says yes, if none is there): 0, or below `detect`; over evidence",
+        description="P(a look says yes, if none is there): 0, or below `detect`; not with `correlation`",
     )
     model: Literal["binary", "beta"] = Field(
         default="binary",

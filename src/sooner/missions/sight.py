@@ -15,6 +15,7 @@ from sooner.missions.layers import Layers
 from sooner.missions.settings import Settings
 from sooner.problem import Gains, Objective, detection_gains
 from sooner.sensors import glimpse_from_difficulty
+from sooner.simulation.answers import AnswerModel
 
 __all__ = ["LOOKS", "Sight"]
 
@@ -61,6 +62,11 @@ class Sight:
         if isinstance(self.known, BetaGrid):
             return self.known.mean
         return np.minimum(self.known.poc, 1.0) if isinstance(self.known, Belief) else self.known.theta
+
+    @property
+    def answers(self) -> AnswerModel:
+        """How looks answer, and what that teaches."""
+        return AnswerModel(self.known, self.glimpse.ravel(), self.false_alarm, self.correlation)
 
     @property
     def there(self) -> Floats:
@@ -170,9 +176,6 @@ def _check(faults: Faults, settings: Settings) -> None:
         faults.add(
             "sensor.detect", came, "expected more than false_alarm: such a look teaches nothing, or says yes for no"
         )
-    if area.poc is not None and sensor.false_alarm:
-        came = f"{sensor.false_alarm:g} came, and area.poc"
-        faults.add("sensor.false_alarm", came, "expected area.evidence, or no false alarms: one person is in one cell")
     if over_evidence and area.outside:
         came = f"{area.outside:g} came, and area.evidence"
         faults.add("area.outside", came, "expected it left out: evidence is of each cell by itself")
@@ -187,6 +190,9 @@ def _check(faults: Faults, settings: Settings) -> None:
         faults.add(
             "sensor.correlation", came, "expected it left out: only detection over area.poc knows correlated looks"
         )
+    elif sensor.correlation and sensor.false_alarm:
+        came = f"{sensor.correlation:g} came beside false_alarm"
+        faults.add("sensor.correlation", came, "expected one of them: false alarms are of each look by itself")
     if sensor.model == "beta":
         _check_beta(faults, settings, given)
 
