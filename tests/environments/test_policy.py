@@ -8,7 +8,7 @@ import pytest
 from sooner.environments import PolicyStrategy, SearchEnv, StrategyPolicy
 from sooner.errors import InvalidProblemError
 from sooner.simulation import load_episode, save_episode, simulate
-from sooner.simulation.strategies import Information, RandomWaypoints
+from sooner.simulation.strategies import Information, RandomWaypoints, make_strategy
 from tests.environments.small import assert_same_flight, flown, scene, wandering
 
 
@@ -24,11 +24,16 @@ def test_a_policy_flies_as_a_strategy_to_the_last_bit_as_in_the_environment(wayp
 @pytest.mark.parametrize("prior", ["uniform", "kriged"])
 @pytest.mark.parametrize(
     ("strategy", "waypoints"),
-    [(RandomWaypoints(), 1), (Information(tasks=40), 3), (Information(tasks=40, waypoints=2), 1)],
+    [
+        (RandomWaypoints(), 1),
+        (Information(tasks=40), 3),
+        (Information(tasks=40, waypoints=2), 1),
+        (make_strategy("rollouts"), 50),
+    ],
 )
 def test_a_strategy_flies_the_environment_as_simulate_flies_it(strategy, waypoints, prior):
     """Within what turning metres into shares and back rounds off."""
-    search = scene(90, prior=prior)
+    search = scene(60, prior=prior)
     env = SearchEnv(search, waypoints=waypoints, capture=strategy.capture)
     policy = StrategyPolicy(strategy, env)
     for seed in (1, 2):
@@ -37,7 +42,7 @@ def test_a_strategy_flies_the_environment_as_simulate_flies_it(strategy, waypoin
 
 
 class Watcher:
-    """A strategy whose sessions write down what they are shown."""
+    """A strategy whose sessions write down what they are shown; its routes differ in length."""
 
     capture = 0.5
 
@@ -55,13 +60,15 @@ class Watcher:
         self.shown[-1].append((cells.copy(), target_ratios.copy()))
 
     def routes(self, situation):
-        self.shown[-1].append(situation.now_s)
-        return (np.array([[50.0, 50.0]]),) * 4
+        self.shown[-1].append([route.round(9) for route in situation.routes])
+        way = np.array([[10.0, 10.0], [50.0, 50.0], [50.0, 50.0], [90.0, 10.0], [10.0, 90.0]])
+        return tuple(way[first:] for first in (0, 1, 3, 4))
 
 
-def test_sessions_that_believe_for_themselves_are_shown_every_second_once():
+def test_sessions_are_told_in_an_environment_what_they_are_told_in_simulate():
+    """What is left of their routes, and, if they believe for themselves, every second's looks once."""
     here, there = Watcher(), Watcher()
-    env = SearchEnv(scene(22), capture=0.5)
+    env = SearchEnv(scene(22), waypoints=7, capture=0.5)
     policy = StrategyPolicy(here, env)
     for seed in (3, 4):
         flown(env, policy, seed=seed)

@@ -187,7 +187,7 @@ def test_cities_to_train_in_differ_and_come_again():
     [
         (np.zeros((4, 2)), r"shape \(4, 2\)"),
         (np.zeros((3, 1, 2)), r"shape \(3, 1, 2\)"),
-        (np.zeros((4, 2, 2)), "2 waypoints came"),
+        (np.zeros((4, 2, 2)), r"shape \(4, 2, 2\)"),
         ([[[0, 0]], [[0]], [[0, 0]], [[0, 0]]], "no array"),
         (np.full((4, 1, 2), 1.1), "1.1 came"),
         (np.full((4, 1, 2), np.nan), "nan came"),

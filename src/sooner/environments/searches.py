@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from sooner.environments.scenes import generated_scenes
 from sooner.environments.turns import CAPTURE, Turns
-from sooner.environments.waypoints import routes_of
+from sooner.environments.waypoints import numbers_of, routes_of
 from sooner.errors import InvalidProblemError
 from sooner.simulation import Episode, Scene
 
@@ -98,10 +98,11 @@ class Searches:
         turns = self.turns
         if turns.over:
             raise InvalidProblemError("a step came after the end of the mission; expected reset() first")
-        routes = routes_of(action, turns.scene.grid, self.n_agents)
-        if len(routes[0]) != self.waypoints:
-            raise InvalidProblemError(f"an action of {len(routes[0])} waypoints came; expected {self.waypoints}")
-        turns.fly(routes)
+        shares = numbers_of(action)
+        if shares.shape != (self.n_agents, self.waypoints, 2):
+            expected = (self.n_agents, self.waypoints, 2)
+            raise InvalidProblemError(f"an action of shape {shares.shape} came; expected {expected}")
+        turns.fly(routes_of(shares, turns.scene.grid, self.n_agents))
         before, self._e = self._e, _score(self.episode)
         return self._e - before
 

@@ -41,6 +41,8 @@ def metres_of(grid: Grid, shares: NDArray[np.float64]) -> NDArray[np.float64]:
 def routes_of(action: ArrayLike, grid: Grid, n_agents: int) -> Routes:
     """The routes that an action asks for: (A, K, 2) shares, K waypoints for each of A agents.
 
+    Where the last waypoint comes several times over, it counts once.
+
     Raises
     ------
     InvalidProblemError      another shape, numbers that are none, waypoints off the ground
@@ -54,7 +56,7 @@ def routes_of(action: ArrayLike, grid: Grid, n_agents: int) -> Routes:
         raise InvalidProblemError(
             f"an action with {_worst(shares):g} came; expected shares of the ground from -1 to 1 (clip it first)"
         )
-    return tuple(metres_of(grid, np.clip(shares, -1.0, 1.0)))
+    return tuple(_once(route) for route in metres_of(grid, np.clip(shares, -1.0, 1.0)))
 
 
 def numbers_of(action: ArrayLike) -> NDArray[np.float64]:
@@ -76,6 +78,12 @@ def action_of(routes: Routes, situation: Situation, waypoints: int) -> NDArray[n
         filled[agent, : len(asked)] = asked
         filled[agent, len(asked) :] = asked[-1]
     return np.clip(shares_of(situation.grid, filled), -1.0, 1.0)
+
+
+def _once(route: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A route up to where nothing comes but its last waypoint."""
+    others = np.flatnonzero((route != route[-1]).any(axis=1))
+    return route[: others[-1] + 2] if len(others) else route[:1]
 
 
 def _worst(shares: NDArray[np.float64]) -> float:
