@@ -1,0 +1,222 @@
+"""Files as programs read them that are not ours: MAVSDK, pymavlink and GDAL."""
+
+import socket
+import struct
+from contextlib import contextmanager, redirect_stdout
+from dataclasses import replace
+from io import StringIO
+
+import mavsdk
+import numpy as np
+import pyogrio
+import pytest
+from hypothesis import given, settings
+from mavsdk.plugins.mission_raw import MissionRaw
+from mavsdk.plugins.mission_raw_server import MissionRawServer
+
+from sooner.io.flights import FORMATS, Aircraft
+from tests.io.flights.plans import HOSTILE, RIDGE, flight_plans, named
+
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # within pymavlink
+
+TAKEOFF, SPEED, WAYPOINT, RETURN, LAND, LOITER = 22, 178, 16, 20, 21, 17
+NEAR = 1e-7  # degrees
+
+
+def written(name, *plans):
+    return FORMATS[name].write(plans, Aircraft())
+
+
+def close(found, places):
+    np.testing.assert_allclose(found, places, atol=NEAR, rtol=0)
+
+
+# ---------------------------------------------------------------- MAVSDK
+
+
+@pytest.fixture(scope="module")
+def link():
+    """An autopilot with a mission server and a ground station, which talk over the loopback."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with _mavsdk(mavsdk.ComponentType.AUTOPILOT) as pilot, _mavsdk(mavsdk.ComponentType.GROUND_STATION) as ground:
+        assert ground.add_any_connection(f"udpin://127.0.0.1:{port}") == 0
+        assert pilot.add_any_connection(f"udpout://127.0.0.1:{port}") == 0
+        server = MissionRawServer(pilot.server_component())
+        taken = []
+        server.subscribe_incoming_mission(lambda result, mission, _: taken.append((result, mission.mission_items)))
+        system = ground.first_autopilot(30.0)
+        assert system is not None
+        missions = MissionRaw(system)
+        yield missions, taken
+        missions.destroy()
+        server.destroy()
+
+
+@contextmanager
+def _mavsdk(kind):
+    made = mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(kind))
+    yield made
+    made.destroy()
+
+
+def places_of(items, command=WAYPOINT):
+    return [(item.x / 1e7, item.y / 1e7) for item in items if item.command == command]
+
+
+@settings(max_examples=25)
+@given(plan=flight_plans())
+def test_mavsdk_reads_a_plan_of_qgroundcontrol(link, plan):
+    read = link[0].import_qgroundcontrol_mission_from_string(written("qgc", plan).decode())
+    close(places_of(read.mission_items), plan.places)
+    close(places_of(read.mission_items, TAKEOFF), [plan.home])
+    assert {item.frame for item in read.mission_items if item.command in (TAKEOFF, WAYPOINT)} == {3}
+    flown = [item for item in read.mission_items if item.command == WAYPOINT]
+    np.testing.assert_allclose([item.z for item in flown], [each.altitude_m for each in plan.waypoints], atol=1e-3)
+    np.testing.assert_allclose([item.param1 for item in flown], [each.hold_s for each in plan.waypoints], atol=1e-3)
+    assert np.isnan([item.param4 for item in flown]).all()
+    assert read.mission_items[-1].command == {"return": RETURN, "land": LAND, "loiter": LOITER}[plan.finish]
+    corners = [(corner, 5001 if fence.inclusion else 5002) for fence in plan.fences for corner in fence.corners]
+    close([(item.x / 1e7, item.y / 1e7) for item in read.geofence_items] or np.zeros((0, 2)), _points(corners))
+    assert [item.command for item in read.geofence_items] == [command for _, command in corners]
+    close(places_of(read.rally_items, 5100) or np.zeros((0, 2)), np.reshape(plan.landings, (-1, 2)))
+
+
+def _points(corners):
+    return np.reshape([corner for corner, _ in corners], (-1, 2))
+
+
+@settings(max_examples=25)
+@given(plan=flight_plans())
+def test_mavsdk_reads_waypoints_of_mission_planner(link, plan):
+    read = link[0].import_mission_planner_mission_from_string(written("waypoints", plan).decode())
+    home, *flown = places_of(read.mission_items)
+    close([home], [plan.home])
+    close(flown, plan.places)
+    assert read.mission_items[0].frame == 0
+    assert [item.seq for item in read.mission_items] == list(range(len(read.mission_items)))
+
+
+def test_an_autopilot_takes_the_mission_and_tells_it_back(link):
+    missions, taken = link
+    items = missions.import_qgroundcontrol_mission_from_string(written("qgc", RIDGE).decode()).mission_items
+    missions.upload_mission(items)  # raises unless it is acknowledged
+    close(places_of(missions.download_mission()), RIDGE.places)
+    assert [item.command for item in missions.download_mission()] == [22, 178, 16, 16, 178, 16, 178, 16, 20]
+    assert len(taken[-1][1]) == len(items)
+
+
+def test_a_speed_is_over_ground_and_leaves_the_throttle(link):
+    items = link[0].import_qgroundcontrol_mission_from_string(written("qgc", RIDGE).decode()).mission_items
+    told = [(item.param1, item.param2, item.param3) for item in items if item.command == SPEED]
+    assert told == [(1.0, 12.0, -1.0), (1.0, 6.0, -1.0), (1.0, 12.0, -1.0)]
+
+
+# ---------------------------------------------------------------- pymavlink
+
+
+@settings(max_examples=20)
+@given(plan=flight_plans())
+def test_pymavlink_loads_waypoints(tmp_path_factory, plan):
+    from pymavlink import mavwp
+
+    path = tmp_path_factory.mktemp("pymavlink") / "flight.waypoints"
+    path.write_bytes(written("waypoints", plan))
+    loader = mavwp.MAVWPLoader()
+    with redirect_stdout(StringIO()):
+        count = loader.load(str(path))
+    items = [loader.wp(number) for number in range(count)]
+    assert [item.seq for item in items] == list(range(count))
+    close([(item.x, item.y) for item in items if item.command == WAYPOINT], [plan.home, *plan.places])
+    np.testing.assert_allclose(
+        [item.z for item in items if item.command == WAYPOINT][1:],
+        [each.altitude_m for each in plan.waypoints],
+        atol=1e-3,
+    )
+
+
+# ---------------------------------------------------------------- GDAL
+
+
+def gdal(path, layer=None):
+    """Rows of a layer: its fields by name, and its points, longitude first."""
+    meta, _, shapes, columns = pyogrio.raw.read(path, layer=layer, force_2d=True)
+    rows = zip(*columns, strict=True) if len(columns) else [()] * len(shapes)
+    fields = [dict(zip(meta["fields"], row, strict=True)) for row in rows]
+    return [(told, None if shape is None else _well_known(shape)) for told, shape in zip(fields, shapes, strict=True)]
+
+
+def _well_known(shape):
+    """Points of a point, a line or the outer ring of a polygon in well-known binary; latitude first."""
+    order = "<" if shape[0] else ">"
+    (kind,) = struct.unpack_from(order + "I", shape, 1)
+    start, count = {1: (5, 1), 2: (9, None), 3: (13, None)}[kind]
+    if count is None:
+        (count,) = struct.unpack_from(order + "I", shape, start - 4)
+    return np.frombuffer(shape, order + "f8", 2 * count, start).reshape(-1, 2)[:, ::-1]
+
+
+@pytest.fixture
+def beside(tmp_path):
+    def write(name, *plans):
+        path = tmp_path / f"flight{FORMATS[name].suffix}"
+        path.write_bytes(written(name, *plans))
+        return path
+
+    return write
+
+
+VALLEY = replace(RIDGE, name="valley", searcher=1, waypoints=RIDGE.waypoints[:2])
+
+
+def test_gdal_reads_gpx(beside):
+    path = beside("gpx", RIDGE, VALLEY)
+    routes = gdal(path, "routes")
+    assert [told["name"] for told, _ in routes] == ["ridge", "valley"]
+    close(routes[0][1], RIDGE.places)
+    close(routes[1][1], VALLEY.places)
+    (told, home), _ = gdal(path, "waypoints")
+    assert told["name"] == "ridge: home"
+    close(home, [RIDGE.home])
+
+
+def test_gdal_reads_kml(beside):
+    path = beside("kml", RIDGE, VALLEY)
+    assert [name for name, _ in pyogrio.list_layers(path)] == ["ridge", "valley"]
+    told = {row["Name"]: points for row, points in gdal(path, "ridge")}
+    close(told["ridge"], RIDGE.places)
+    close(told["ridge: home"], [RIDGE.home])
+    close(told["stay inside"][:-1], RIDGE.fences[0].corners)
+    close(told["stay out"][:-1], RIDGE.fences[1].corners)
+
+
+def test_gdal_reads_both_parts_of_a_kmz(beside, tmp_path):
+    import zipfile
+
+    path = beside("dji", RIDGE)
+    template = gdal(f"/vsizip/{path}/wpmz/template.kml")
+    close(np.concatenate([points for _, points in template]), RIDGE.places)
+    with zipfile.ZipFile(path) as archive:
+        (tmp_path / "waylines.kml").write_bytes(archive.read("wpmz/waylines.wpml"))
+    close(np.concatenate([points for _, points in gdal(tmp_path / "waylines.kml")]), RIDGE.places)
+
+
+def test_gdal_reads_geojson(beside):
+    rows = gdal(beside("caltopo", RIDGE, VALLEY))
+    assert [told["class"] for told, _ in rows] == [*["Folder", "Shape", "Marker", "Marker", "Shape", "Shape"] * 2]
+    close(rows[1][1], RIDGE.places)
+    close(rows[2][1], [RIDGE.home])
+    close(rows[4][1][:-1], RIDGE.fences[0].corners)
+    close(rows[7][1], VALLEY.places)
+
+
+@pytest.mark.parametrize("hostile", HOSTILE, ids=range(len(HOSTILE)))
+def test_gdal_takes_any_name_for_text(beside, hostile):
+    (told, _), *_ = gdal(beside("gpx", named(hostile)), "routes")
+    assert (told["name"] or "") == hostile
+    rows = gdal(beside("caltopo", named(hostile)))
+    assert rows[1][0]["title"] == hostile
+    close(rows[1][1], RIDGE.places)
+    (layer, _), *_ = pyogrio.list_layers(beside("kml", named(hostile)))
+    close(gdal(beside("kml", named(hostile)), layer)[0][1], RIDGE.places)
