@@ -11,6 +11,7 @@ from sooner.missions import read_mission
 from sooner.missions.over_waypoints import is_over_waypoints, read_street_mission
 from sooner.missions.street_trials import StreetTrial, StreetTrials, episode_of, fly_streets, strategy_named
 from sooner.scenarios import street_grid
+from sooner.simulation import Links
 
 DRONE = """[[searcher]]
 moves = "waypoints"
@@ -70,6 +71,23 @@ def test_what_is_said_reaches_the_scene(read):
     np.testing.assert_allclose(scene.starts_m, [[0.0, 0.0], [15.0, 95.0]])
 
 
+def test_links_reach_the_scene_and_the_result(read):
+    said = "[links]\nrange_m = 40.0\nloss = 0.25\ndelay_s = 2\nrelays = false\n"
+    mission = read(CITY.replace("[budget]", DRONE + said + "[budget]"))
+    assert mission.scene.links == Links(40.0, 0.25, 2, relays=False)
+    trials = StreetTrials(mission, "random", tuple(fly_streets(mission, strategy_named("random")[1], range(2))))
+    told = {"range_m": 40.0, "loss": 0.25, "delay_s": 2, "relays": False}
+    assert json.loads(json.dumps(trials.result(), allow_nan=False))["links"] == told
+
+
+def test_links_that_lose_nothing_and_are_prompt_change_nothing(read):
+    together = read(CITY.replace("[budget]", DRONE + "[budget]"))
+    apart = read(CITY.replace("[budget]", DRONE + "[links]\n[budget]"))
+    for name in ("swept_information", "joint"):
+        strategy = strategy_named(name)[1]
+        assert list(fly_streets(apart, strategy, range(2))) == list(fly_streets(together, strategy, range(2)))
+
+
 def test_without_a_target_nobody_is_there(read):
     mission = read(CITY.replace("[target]\ncount = 2\n", ""))
     trials = StreetTrials(mission, "random", tuple(fly_streets(mission, strategy_named("random")[1], range(3))))
@@ -125,7 +143,8 @@ SPOILED = {
     "boldness without fear": ("count = 2", "boldness = 0.5", "target.boldness", "evasive"),
     "an unknown key of the target": ("count = 2", "speed = 2", "target.speed", "one of count"),
     "an objective": ("[budget]", '[objective]\nkind = "detection"\n[budget]', "objective.kind", "search streets"),
-    "links": ("[budget]", "[links]\nloss = 0.5\n[budget]", "links", "search streets"),
+    "links of one drone": ("[budget]", "[links]\nloss = 0.5\n[budget]", "links", "2 to 100 agents"),
+    "a delay of half a second": ("[budget]", "[links]\ndelay_s = 0.5\n[budget]", "links.delay_s", "whole number"),
     "cells tested on a known map": (
         "[budget]",
         '[estimator]\ndetector = "cbht"\nprior = "known"\n[budget]',

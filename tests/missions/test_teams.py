@@ -65,6 +65,11 @@ def test_drones_with_links_plan_for_themselves_and_tell_what_they_heard(ground):
     assert far.result(None)["links"]["messages"] == []
 
 
+def test_links_before_take_off_know_no_delay(ground):  # noqa: F811
+    with pytest.raises(DataFormatError, match=r"links\.delay_s: it came; expected it left out"):
+        read_mission(with_second(ground(), more="[links]\ndelay_s = 2\n"))
+
+
 def test_links_of_one_drone_are_refused(ground):  # noqa: F811
     with pytest.raises(DataFormatError, match=r"links: it came, and one \[\[searcher\]\]"):
         read_mission(ground(more="[links]\nloss = 0.1"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +13,9 @@ from sooner.errors import DataFormatError, InvalidProblemError
 from sooner.io import StreetMap, read_openstreetmap, read_street_map
 from sooner.io.reading import read_toml
 from sooner.missions.faults import Faults
-from sooner.missions.settings import Place, Searching, Settings, TargetSettings, misplaced
+from sooner.missions.settings import Hearing, Place, Searching, Settings, TargetSettings, misplaced
 from sooner.sensors import GradedSensor
-from sooner.simulation import Agent, Estimator, Scene, World
+from sooner.simulation import Agent, Estimator, Links, Scene, World
 from sooner.streets import Evasive, TargetWalk
 
 __all__ = ["StreetMission", "is_over_waypoints", "read_street_mission"]
@@ -83,9 +84,9 @@ def read_street_mission(path: Path) -> StreetMission:
     assert estimator is not None
     team = tuple(agent for agent in agents if agent is not None)
     try:
-        scene = Scene(world, team, estimator, seconds, replan_s, starts_m=starts)
+        scene = Scene(world, team, estimator, seconds, replan_s, starts_m=starts, links=_links(settings.links))
     except InvalidProblemError as error:  # all that can be foreseen has been reported by key
-        faults.add("", *_parted(error))
+        faults.add("links" if settings.links is not None else "", *_parted(error))
         faults.refuse()
     return StreetMission(path, settings, scene, streets.attribution)
 
@@ -212,6 +213,12 @@ def _estimator(faults: Faults, settings: Settings) -> Estimator | None:
     except InvalidProblemError as error:
         faults.add("estimator", *_parted(error))
         return None
+
+
+def _links(said: Hearing | None) -> Links | None:
+    if said is None:
+        return None
+    return Links(inf if said.range_m is None else said.range_m, said.loss, said.delay_s, said.relays)
 
 
 def _walk(said: TargetSettings | None) -> TargetWalk:

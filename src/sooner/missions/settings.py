@@ -268,16 +268,23 @@ class Estimating(_Table):
 
 
 class Hearing(_Table):
-    """`[links]`: what drones hear of one another before they take off; given, each plans for itself.
+    """`[links]`: what drones hear of one another; given, each plans for itself. Left out, one computer plans for all.
 
-    A drone counts only the plans that it has heard. Left out, one computer plans for all.
+    Over cells and regions they tell each other their plans before they take off, and count only those that they have
+    heard. Over waypoints each second they tell each other what they saw; each believes what it has seen or heard, and
+    sends again what others may not have heard yet.
     """
 
     range_m: NotNegative | None = Field(
-        default=None, description="between starts that hear each other. Left out: all do"
+        default=None,
+        description="between drones that hear each other: their starts, or over waypoints where they are then. Left "
+        "out: all do",
     )
     loss: float = Field(default=0.0, ge=0, le=1, description="probability that a message in range is lost")
-    relays: bool = Field(default=True, description="whether drones pass on the plans that they have heard")
+    relays: bool = Field(default=True, description="whether drones pass on what they have heard")
+    delay_s: Annotated[int, Field(strict=True, ge=0, le=100_000)] = Field(
+        default=0, description="over waypoints: whole seconds from sending to hearing"
+    )
 
 
 class Cutting(_Table):
@@ -361,6 +368,7 @@ _STREET_KEYS: dict[str, set[str]] = {
     "searcher": {"radius_m", "map_sensitivity", "target_sensitivity"},
     "budget": {"replan_s"},
     "objective": set(),
+    "links": {"delay_s"},
 }
 _SHARED_KEYS: dict[str, set[str]] = {
     "area": {"cell_m"},
@@ -368,6 +376,7 @@ _SHARED_KEYS: dict[str, set[str]] = {
     "searcher": {"start", "moves", "kind", "speed_mps", "accel_mps2"},
     "budget": {"seconds"},
     "objective": set(),
+    "links": {"range_m", "loss", "relays"},
 }
 
 
@@ -383,12 +392,14 @@ def misplaced(settings: Settings, file: str) -> list[Fault]:
     tables: list[tuple[str, str, BaseModel]] = [
         (name, name, getattr(settings, name)) for name in ("area", "sensor", "budget", "objective")
     ]
+    if settings.links is not None:
+        tables.append(("links", "links", settings.links))
     tables += [(f"searcher[{number}]", "searcher", each) for number, each in enumerate(settings.searcher)]
     for key, name, table in tables:
         own, shared = _STREET_KEYS[name], _SHARED_KEYS[name]
         wrong = table.model_fields_set - own - shared if flown else table.model_fields_set & own
         faults += [Fault(file, f"{key}.{each}", came, expected) for each in type(table).model_fields if each in wrong]
-    for name in ("regions", "links") if flown else ("target", "estimator"):
+    for name in ("regions",) if flown else ("target", "estimator"):
         if getattr(settings, name) is not None:
             faults.append(Fault(file, name, came, expected))
     return faults

@@ -114,6 +114,7 @@ class StreetTrials:
             "targets": self.n_targets,
             "detector": scene.estimator.detector,
             "prior": scene.estimator.prior,
+            "links": scene.links.said() if scene.links else None,
             **{name: mean.result() for name, mean in self.means().items()},
         }
 

@@ -4,6 +4,7 @@ from sooner.simulation.agents import Agent, Team, flight
 from sooner.simulation.episode import Beliefs, Call, Episode, Looks
 from sooner.simulation.episode_file import load_episode, replayed, save_episode
 from sooner.simulation.estimation import Estimator
+from sooner.simulation.links import Links
 from sooner.simulation.loop import Keep, simulate
 from sooner.simulation.scene import Scene
 from sooner.simulation.sensing import HALF_CELL, Sensing
@@ -17,6 +18,7 @@ __all__ = [
     "Episode",
     "Estimator",
     "Keep",
+    "Links",
     "Looks",
     "Scene",
     "Sensing",

@@ -16,9 +16,12 @@ from sooner.simulation.sensing import LookLog
 from sooner.simulation.strategies.strategy import Routes, Session, Situation, Strategy
 from sooner.simulation.world import Purpose, generator
 
-__all__ = ["Command", "CommandPost", "Kept"]
+__all__ = ["Command", "CommandPost", "Kept", "Told"]
 
 Watch = Callable[[NDArray[np.int32], NDArray[np.float64]], None]
+
+Told = tuple[float, tuple[tuple[int, int], ...]]
+"""What a detector holds against its threshold, and (cell, second) of all that it calls: a target was there then."""
 
 
 class Command(Protocol):
@@ -32,8 +35,12 @@ class Command(Protocol):
     def node_seconds(self) -> NDArray[np.int64]:
         """(M,) int64: when each cell's node was detected, -1 not yet."""
 
-    def see(self, flight: Flight) -> tuple[float, tuple[int, ...]]:
-        """Take in this second's looks: what the detector holds against its threshold, and cells where it calls."""
+    @property
+    def agents_node_seconds(self) -> NDArray[np.int64] | None:
+        """(A, M) int64: likewise by each agent for itself; None where one commands all."""
+
+    def see(self, flight: Flight) -> Told:
+        """Take in this second's looks: what the detector holds against its threshold, and what it calls."""
 
     def plan(self, flight: Flight) -> Routes | None:
         """Routes from now on, by agent; None to go on unchanged."""
@@ -57,6 +64,8 @@ class CommandPost:
     seed : int            of what the strategy draws
     """
 
+    agents_node_seconds = None
+
     def __init__(self, scene: Scene, strategy: Strategy, seed: int) -> None:
         self.scene = scene
         self.strategy = strategy
@@ -72,9 +81,10 @@ class CommandPost:
         """(M,) int64: when each cell's node was detected, -1 not yet."""
         return self.belief.node_seconds
 
-    def see(self, flight: Flight) -> tuple[float, tuple[int, ...]]:
+    def see(self, flight: Flight) -> Told:
         """Take in this second's looks; a session with a belief of its own is shown them too."""
-        return self.hear(flight.second, flight.log)
+        total, cells = self.hear(flight.second, flight.log)
+        return total, tuple((cell, flight.second) for cell in cells)
 
     def plan(self, flight: Flight) -> Routes | None:
         """What the strategy answers to what is believed now."""
@@ -101,9 +111,12 @@ class CommandPost:
         answer = self._session.routes(situation)
         return None if answer is situation.routes else answer
 
-    def kept(self) -> Kept:
-        """A copy of what is believed now."""
-        return Kept(self.belief.copy(), self._remembered())
+    def kept(self, spare: Kept | None = None) -> Kept:
+        """A copy of what is believed now, on the arrays of another copy if one is to spare."""
+        if spare is None:
+            return Kept(self.belief.copy(), self._remembered())
+        spare.belief.restore(self.belief)
+        return Kept(spare.belief, self._remembered())
 
     def restore(self, kept: Kept) -> None:
         """Believe again what was believed then; the strategy's random numbers go on."""

@@ -20,7 +20,7 @@ class Call:
     """The detector says "here": its sum crossed the threshold from below.
 
     second : int
-    cell : int         the likeliest cell then
+    cell : int         the likeliest cell then; or before, where agents hear of looks that others made a while ago
     target : int       the target that was within the radius of view of its centre, -1 for none: a false call
     """
 
@@ -79,6 +79,7 @@ class Episode:
     calls : tuple of Call
     plans : tuple of tuples of (k, 2)       routes at each replan, by agent
     looks, beliefs                          kept if asked for
+    agents_node_seconds : (A, M) or None    where agents believe by themselves: as `node_seconds`, which is the first
     """
 
     scene: Scene
@@ -92,6 +93,7 @@ class Episode:
     plans: tuple[tuple[NDArray[np.float64], ...], ...] = field(default=(), repr=False)
     looks: Looks | None = field(default=None, repr=False)
     beliefs: Beliefs | None = field(default=None, repr=False)
+    agents_node_seconds: NDArray[np.int64] | None = field(default=None, repr=False)
 
     @property
     def seconds(self) -> int:
@@ -148,6 +150,14 @@ class Episode:
     def e(self) -> float:
         """E, in [0, 1]; not a number where there are no targets."""
         return self.e_nodes + self.e_targets
+
+    @property
+    def e_nodes_by_all(self) -> float:
+        """Like `e_nodes`, where a node counts when the last agent has detected it, too."""
+        if self.agents_node_seconds is None:
+            return self.e_nodes
+        by_agent = self.agents_node_seconds[:, self.nodes]
+        return _half(np.where((by_agent >= 0).all(axis=0), by_agent.max(axis=0), -1), self.seconds)
 
     @property
     def nodes_curve(self) -> NDArray[np.float64]:

@@ -33,6 +33,7 @@ _ALWAYS = (
 )  # fmt: skip
 _LOOKS = ("firsts", "cells", "agents", "map_levels", "target_levels")
 _BELIEFS = ("seconds", "void", "occupied", "explored")
+_BY_AGENT = "agents_node_seconds"
 _EXPECTED = "expected an episode that sooner wrote"
 
 
@@ -63,6 +64,8 @@ def save_episode(episode: Episode, path: Path) -> None:
         arrays |= {f"looks_{name}": getattr(episode.looks, name) for name in _LOOKS}
     if episode.beliefs is not None:
         arrays |= {f"beliefs_{name}": getattr(episode.beliefs, name) for name in _BELIEFS}
+    if episode.agents_node_seconds is not None:
+        arrays[_BY_AGENT] = episode.agents_node_seconds
     with path.open("wb") as file:
         np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
 
@@ -99,7 +102,7 @@ def replayed(episode: Episode) -> Episode:
 
 def _read(path: Path) -> Arrays:
     """The arrays of an .npz, none of them of objects, and none larger than it says."""
-    names = {*_ALWAYS, *(f"looks_{name}" for name in _LOOKS), *(f"beliefs_{name}" for name in _BELIEFS)}
+    names = {*_ALWAYS, _BY_AGENT, *(f"looks_{name}" for name in _LOOKS), *(f"beliefs_{name}" for name in _BELIEFS)}
     arrays: Arrays = {}
     try:
         with zipfile.ZipFile(path) as archive:
@@ -162,6 +165,7 @@ def _episode(arrays: Arrays) -> Episode:
         plans=tuple(tuple(routes[n : n + n_agents]) for n in range(0, len(routes), n_agents)),
         looks=Looks(*(arrays[f"looks_{name}"] for name in _LOOKS)) if "looks_firsts" in arrays else None,
         beliefs=Beliefs(*(arrays[f"beliefs_{name}"] for name in _BELIEFS)) if "beliefs_seconds" in arrays else None,
+        agents_node_seconds=arrays.get(_BY_AGENT),
     )
 
 
@@ -172,6 +176,8 @@ def _check(arrays: Arrays, scene: Scene) -> None:
     _expect("targets", arrays, "i", (T + 1, Q), 0, N - 1)
     _expect("places_m", arrays, "f", (T + 1, A, 2))
     _expect("node_seconds", arrays, "i", (M,), -1, T - 1)
+    if _BY_AGENT in arrays:
+        _expect(_BY_AGENT, arrays, "i", (A, M), -1, T - 1)
     _expect("sums", arrays, "f", (T,), 0.0)
     calls = _expect("calls", arrays, "i", (None, 3), -1)
     if len(calls) and not (calls.min(axis=0) >= [0, 0, -1]).all() & (calls.max(axis=0) < [T, M, max(Q, 1)]).all():

@@ -85,9 +85,9 @@ class Flight:
         self.second += 1
         self.track_m[self.second] = self.places_m
 
-    def target_near(self, cell: int) -> int:
-        """The nearest target within the largest radius of view of a cell's centre, -1 if there is none."""
-        apart = self.truth.places_at(self.second) - self.scene.grid.centres_m[cell]
+    def target_near(self, cell: int, second: int) -> int:
+        """The nearest target within the largest radius of view of a cell's centre then, -1 if there was none."""
+        apart = self.truth.places_at(second) - self.scene.grid.centres_m[cell]
         if not len(apart):
             return -1
         metres = np.hypot(apart[:, 0], apart[:, 1])

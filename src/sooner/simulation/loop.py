@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sooner.simulation.command import Command, CommandPost
+from sooner.simulation.decentralised_command import DecentralisedCommand
 from sooner.simulation.episode import Beliefs, Call, Episode
 from sooner.simulation.in_flight import Flight
 from sooner.simulation.scene import Scene
@@ -45,7 +46,7 @@ def simulate(scene: Scene, strategy: Strategy, seed: int, keep: Keep = Keep()) -
     True
     """
     flight = Flight(scene, seed, scene.starts(strategy, seed), strategy.capture, keep.looks)
-    command = CommandPost(scene, strategy, seed)
+    command = _command(scene, strategy, seed)
     record = Record(keep)
     while not flight.over:
         flight.look()
@@ -60,6 +61,12 @@ def simulate(scene: Scene, strategy: Strategy, seed: int, keep: Keep = Keep()) -
     return record.episode(flight, command, strategy, seed)
 
 
+def _command(scene: Scene, strategy: Strategy, seed: int) -> Command:
+    if scene.links is None:
+        return CommandPost(scene, strategy, seed)
+    return DecentralisedCommand(scene, strategy, scene.links, seed)
+
+
 @dataclass(eq=False)
 class Record:
     """What an episode keeps of a flight, as it comes; whoever flies one tells it."""
@@ -72,10 +79,10 @@ class Record:
         default_factory=list
     )
 
-    def told(self, flight: Flight, total: float, cells: tuple[int, ...]) -> None:
+    def told(self, flight: Flight, total: float, calls: tuple[tuple[int, int], ...]) -> None:
         """What the detector says after this second's looks."""
         self.sums.append(total)
-        self.calls.extend(Call(flight.second, cell, flight.target_near(cell)) for cell in cells)
+        self.calls.extend(Call(flight.second, cell, flight.target_near(cell, then)) for cell, then in calls)
 
     def planned(self, flight: Flight) -> None:
         """Routes after a replan."""
@@ -97,6 +104,7 @@ class Record:
             targets=flight.scene.world.states.current[flight.truth.path],
             places_m=flight.track_m,
             node_seconds=command.node_seconds,
+            agents_node_seconds=command.agents_node_seconds,
             sums=np.array(self.sums),
             calls=tuple(self.calls),
             plans=tuple(self.plans),

@@ -13,6 +13,7 @@ from sooner.grid import Grid
 from sooner.simulation.agents import Agent, Team
 from sooner.simulation.estimation import Estimator
 from sooner.simulation.ground import area, perimeter_places
+from sooner.simulation.links import Links
 from sooner.simulation.sensing import Sensing
 from sooner.simulation.strategies.strategy import Strategy
 from sooner.simulation.world import Purpose, World, generator
@@ -20,6 +21,8 @@ from sooner.simulation.world import Purpose, World, generator
 __all__ = ["Scene"]
 
 MOST_SECONDS = 100_000
+MOST_LINKED = 100  # agents: each keeps what it knows of what each other one knows of each
+MOST_LOOKS = 30_000_000  # of a mission with links: 1 GB
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,10 +38,12 @@ class Scene:
     replan_s : int                     seconds from one plan to the next
     target_offset : (float, float)     see `Sensing`; `HALF_CELL` is the named one
     starts_m : (A, 2) float or None    where agents start, instead of where the strategy has them start
+    links : Links or None              given, each agent believes and plans for itself, from what it hears over them
 
     Raises
     ------
-    InvalidProblemError                no seconds, a replan later than the end, agents that start outside the ground
+    InvalidProblemError                no seconds, a replan later than the end, agents that start outside the ground,
+                                       links of one agent or of very many
     """
 
     world: World
@@ -48,6 +53,7 @@ class Scene:
     replan_s: int = 5
     target_offset: tuple[float, float] = (0.0, 0.0)
     starts_m: NDArray[np.float64] | None = None
+    links: Links | None = None
 
     def __post_init__(self) -> None:
         if not 1 <= self.seconds <= MOST_SECONDS:
@@ -59,6 +65,8 @@ class Scene:
         _ = self.team, self.sensing, area(self.grid)
         if self.starts_m is not None:
             object.__setattr__(self, "starts_m", _checked_starts(self.grid, self.starts_m, len(self.agents)))
+        if self.links is not None:
+            _check_linked(len(self.agents), self.seconds * self.sensing.most_looks)
 
     @property
     def grid(self) -> Grid:
@@ -86,6 +94,17 @@ class Scene:
             return self.starts_m.copy()
         drawn = perimeter_places(self.grid, len(self.agents), generator(seed, Purpose.STARTS))
         return _checked_starts(self.grid, strategy.starts(self.grid, self.agents, drawn), len(self.agents))
+
+
+def _check_linked(n_agents: int, most_looks: int) -> None:
+    """Refuse what would not fit in memory: agents keep looks that others may not have, to the end if need be."""
+    if not 2 <= n_agents <= MOST_LINKED:
+        raise InvalidProblemError(f"links between {n_agents} agents came; expected 2 to {MOST_LINKED} agents")
+    if most_looks > MOST_LOOKS:
+        raise InvalidProblemError(
+            f"links came in a mission of up to {most_looks:.2g} looks; expected at most {MOST_LOOKS:.2g}: a shorter "
+            "mission, fewer agents, or no links"
+        )
 
 
 def _checked_starts(grid: Grid, starts: NDArray[np.float64], n_agents: int) -> NDArray[np.float64]:

@@ -14,6 +14,7 @@ from sooner.grid import Grid
 from sooner.sensors.graded import GradedSensor
 from sooner.simulation.agents import Agent
 from sooner.simulation.estimation import Estimator
+from sooner.simulation.links import Links
 from sooner.simulation.scene import Scene
 from sooner.simulation.strategies.registry import STRATEGIES, make_strategy, settings_of
 from sooner.simulation.strategies.strategy import Strategy
@@ -46,6 +47,7 @@ def described(scene: Scene, strategy: Strategy | None) -> dict[str, Any]:
         "replan_s": scene.replan_s,
         "target_offset": list(scene.target_offset),
         "starts_m": None if scene.starts_m is None else scene.starts_m.tolist(),
+        "links": scene.links.said() if scene.links else None,
         "strategy": {"name": name, "settings": settings},
     }
 
@@ -69,7 +71,7 @@ def scene_of(
             None if evasive is None else Evasive(np.empty((0, 2)), **_known(Evasive, evasive)),
         )
         east, north = said["target_offset"]
-        starts = said["starts_m"]
+        starts, links = said["starts_m"], said.get("links")
         return Scene(
             world,
             tuple(_agent(each) for each in said["agents"]),
@@ -78,6 +80,7 @@ def scene_of(
             int(said["replan_s"]),
             (float(east), float(north)),
             None if starts is None else np.array(starts, float),
+            None if links is None else Links.of(_known(Links, links)),
         )
     except InvalidProblemError:
         raise

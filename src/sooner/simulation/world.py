@@ -21,7 +21,7 @@ MOST_TARGETS = 1000
 class Purpose:
     """What random numbers of one seed are for: each purpose has a stream of its own, whatever the others draw."""
 
-    TARGETS, STARTS, STRATEGY, NOISE = range(4)
+    TARGETS, STARTS, STRATEGY, NOISE, LINKS = range(5)
 
 
 def generator(seed: int, purpose: int) -> Generator:
