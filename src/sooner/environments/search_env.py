@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from sooner.environments.observation import Observation, observed
 from sooner.environments.searches import RENDER_MODES, Searches
 from sooner.environments.turns import CAPTURE, Turns
-from sooner.errors import UnsupportedProblemError
+from sooner.errors import InvalidProblemError, UnsupportedProblemError
 from sooner.simulation import Episode, Scene
 
 try:
@@ -51,7 +51,7 @@ class SearchEnv(gymnasium.Env[Observation, ArrayLike]):
 
     Raises
     ------
-    InvalidProblemError                  scenes that differ in shape; actions and options that are none of these
+    InvalidProblemError                  scenes that differ in shape, or with links; actions and options that are none
     UnsupportedProblemError              if Gymnasium is not installed
 
     Examples
@@ -80,6 +80,11 @@ class SearchEnv(gymnasium.Env[Observation, ArrayLike]):
         render_mode: str | None = None,
     ) -> None:
         self._searches = Searches(scenes, waypoints, capture, render_mode)
+        if self.scenes[0].links is not None:
+            raise InvalidProblemError(
+                "scenes with links came; expected none: one policy leads a team that has one belief "
+                "(SearchParallelEnv leads agents that believe each for itself)"
+            )
         self.render_mode = render_mode
         self.observation_space = spaces.observations(self.scenes[0])
         self.action_space = spaces.waypoints(self._searches.n_agents, waypoints)

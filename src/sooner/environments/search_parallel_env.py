@@ -17,7 +17,7 @@ from sooner.simulation import Episode, Scene
 
 try:
     from gymnasium import Space
-    from gymnasium.spaces import Box, flatten, flatten_space
+    from gymnasium.spaces import Box, Tuple, flatten, flatten_space
     from gymnasium.utils.seeding import np_random
     from pettingzoo import ParallelEnv
 
@@ -34,13 +34,16 @@ class SearchParallelEnv(ParallelEnv[str, Observation, ArrayLike]):  # type: igno
 
     Agents        "agent_0", "agent_1", ...: all of them from the start to the end
     Action        (K, 2) from -1 to 1: the agent's next K waypoints
-    Observation   as in `SearchEnv`: the team has one belief, which all agents share. An agent's own row of `agents`
-                  comes first and the others follow in their order round, so that one network may serve all.
+    Observation   as in `SearchEnv`: the team has one belief, which all agents share. Where the scene has links, each
+                  agent is shown what it believes itself of what it has seen and heard, and where it thinks that the
+                  others are. Its own row of `agents` comes first and the others follow in their order round, so that
+                  one network may serve all.
     Reward        the team's, the same for each agent: by how much E grew. It is not shared out among them.
     End           all are `terminated` together when the mission's time is up; none is ever `truncated`.
     Info          as in `SearchEnv`, the same for each.
 
-    `state()` is the common observation as one flat array, for critics that see everything.
+    `state()` is the common observation as one flat array, for critics that see everything; with links, that of each
+    agent, one after the other.
 
     Parameters
     ----------
@@ -85,8 +88,9 @@ class SearchParallelEnv(ParallelEnv[str, Observation, ArrayLike]):  # type: igno
         self.agents: list[str] = []
         self.observation_spaces = {agent: spaces.observations(scene) for agent in self.possible_agents}
         self.action_spaces = {agent: spaces.waypoints(waypoints) for agent in self.possible_agents}
-        self._common_space = spaces.observations(scene)
-        self.state_space = flatten_space(self._common_space)
+        n_beliefs = 1 if scene.links is None else len(scene.agents)
+        self._known_space = Tuple([spaces.observations(scene)] * n_beliefs)
+        self.state_space = flatten_space(self._known_space)
         self._rng = np_random()[0]
 
     @property
@@ -137,12 +141,16 @@ class SearchParallelEnv(ParallelEnv[str, Observation, ArrayLike]):  # type: igno
         return None if self.render_mode is None else self._searches.picture()
 
     def state(self) -> NDArray[np.float32]:
-        """The common observation as one flat array."""
-        return np.asarray(flatten(self._common_space, observed(self.turns.situation)), np.float32)
+        """All that is known, as one flat array."""
+        return np.asarray(flatten(self._known_space, tuple(self._known())), np.float32)
+
+    def _known(self) -> list[Observation]:
+        """The common observation, or each agent's."""
+        return [observed(situation) for situation in self.turns.situations]
 
     def _observations(self) -> dict[str, Observation]:
-        common = observed(self.turns.situation)
-        return {name: seen_by(agent, common) for agent, name in enumerate(self.possible_agents)}
+        known = self._known()
+        return {name: seen_by(agent, known[agent % len(known)]) for agent, name in enumerate(self.possible_agents)}
 
     def _infos(self) -> dict[str, dict[str, Any]]:
         info = self._searches.info()

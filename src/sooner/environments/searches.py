@@ -140,6 +140,8 @@ def _alike(scenes: Scene | Sequence[Scene]) -> tuple[Scene, ...]:
     several = (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
     if not several:
         raise InvalidProblemError("no scenes came; expected at least one")
+    if len({scene.links is None for scene in several}) > 1:
+        raise InvalidProblemError("scenes with links and without came; expected all alike")
     different = {(scene.grid.shape, len(scene.agents)) for scene in several}
     if len(different) > 1:
         told = ", ".join(f"{rows} x {cols} cells and {agents} agents" for (rows, cols), agents in sorted(different))

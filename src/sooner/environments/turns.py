@@ -8,11 +8,11 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from sooner.errors import InvalidProblemError
 from sooner.grid import Grid
 from sooner.simulation import Agent, Episode, Keep, Scene
-from sooner.simulation.command import CommandPost
 from sooner.simulation.in_flight import Flight
-from sooner.simulation.loop import Record
+from sooner.simulation.loop import Record, command_of
 from sooner.simulation.strategies import Routes, Situation, Strategy
 
 __all__ = ["CAPTURE", "Turns"]
@@ -31,19 +31,18 @@ class Turns:
     seed : int
     capture : float         share of its radius of view within which an agent takes a waypoint for reached, in flight
 
-    Attributes
-    ----------
-    situation : Situation   now; its arrays are the simulator's own, and change
+    Raises
+    ------
+    InvalidProblemError     by `situation` and `shown_to`, where there are links: each agent has a situation of its own
     """
 
     def __init__(self, scene: Scene, seed: int, capture: float) -> None:
         self.scene = scene
         self.seed = seed
-        self._seat = _Seat(capture, self)
-        self.flight = Flight(scene, seed, scene.starts(self._seat, seed), capture)
-        self._command = CommandPost(scene, self._seat, seed)
+        self._seats = _Seats(capture)
+        self.flight = Flight(scene, seed, scene.starts(self._seats, seed), capture)
+        self._command = command_of(scene, self._seats, seed)
         self._record = Record(Keep())
-        self.situation: Situation
         self._see()
         self._command.plan(self.flight)
 
@@ -51,6 +50,16 @@ class Turns:
     def over(self) -> bool:
         """Whether the mission has ended."""
         return self.flight.over
+
+    @property
+    def situations(self) -> tuple[Situation, ...]:
+        """What is known now, by all or by each agent; the arrays are the simulator's own, and change."""
+        return tuple(seat.situation for seat in self._seats.taken)
+
+    @property
+    def situation(self) -> Situation:
+        """What all know now."""
+        return self._only.situation
 
     def fly(self, routes: Routes) -> None:
         """Fly these until the next replan, or the end."""
@@ -71,33 +80,47 @@ class Turns:
 
     def shown_to(self, watch: Watch) -> None:
         """Show this second's looks to a session that keeps a belief of its own, and those of every second to come."""
-        self._seat.watcher = watch
+        self._only.watcher = watch
         watch(self.flight.log.newest_cells, self.flight.log.newest_target_ratios)
+
+    @property
+    def _only(self) -> _Seat:
+        if len(self._seats.taken) > 1:
+            raise InvalidProblemError("agents that believe each for itself came; expected a scene without links")
+        return self._seats.taken[0]
 
     def _see(self) -> None:
         self.flight.look()
         self._record.told(self.flight, *self._command.see(self.flight))
 
 
-class _Seat:
-    """Strategy and session at once, for the command post: it takes down the situation, and changes no routes."""
+class _Seats:
+    """The strategy by which situations come out: a seat for every command post, in the order of agents."""
 
-    def __init__(self, capture: float, turns: Turns) -> None:
+    def __init__(self, capture: float) -> None:
         self.capture = capture
-        self.watcher: Watch | None = None
-        self._turns = turns
+        self.taken: list[_Seat] = []
 
     def starts(self, grid: Grid, agents: tuple[Agent, ...], drawn: NDArray[np.float64]) -> NDArray[np.float64]:
         """On the perimeter, as drawn."""
         return drawn
 
     def session(self, situation: Situation, rng: Generator) -> _Seat:
-        """It is its own."""
-        return self
+        """One more seat."""
+        self.taken.append(_Seat(situation))
+        return self.taken[-1]
+
+
+class _Seat:
+    """A session that takes down the situation and changes no routes: whoever holds the search says them later."""
+
+    def __init__(self, situation: Situation) -> None:
+        self.situation = situation
+        self.watcher: Watch | None = None
 
     def routes(self, situation: Situation) -> Routes:
-        """Unchanged: whoever holds the search says them later."""
-        self._turns.situation = situation
+        """Unchanged."""
+        self.situation = situation
         return situation.routes
 
     def watch(self, cells: NDArray[np.int32], target_ratios: NDArray[np.float64]) -> None:

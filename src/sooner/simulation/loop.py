@@ -14,7 +14,7 @@ from sooner.simulation.in_flight import Flight
 from sooner.simulation.scene import Scene
 from sooner.simulation.strategies.strategy import Routes, Strategy
 
-__all__ = ["Keep", "Record", "simulate"]
+__all__ = ["Keep", "Record", "command_of", "simulate"]
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def simulate(scene: Scene, strategy: Strategy, seed: int, keep: Keep = Keep()) -
     True
     """
     flight = Flight(scene, seed, scene.starts(strategy, seed), strategy.capture, keep.looks)
-    command = _command(scene, strategy, seed)
+    command = command_of(scene, strategy, seed)
     record = Record(keep)
     while not flight.over:
         flight.look()
@@ -61,7 +61,8 @@ def simulate(scene: Scene, strategy: Strategy, seed: int, keep: Keep = Keep()) -
     return record.episode(flight, command, strategy, seed)
 
 
-def _command(scene: Scene, strategy: Strategy, seed: int) -> Command:
+def command_of(scene: Scene, strategy: Strategy, seed: int) -> Command:
+    """Who believes and plans: one command post, or one aboard each agent where there are links."""
     if scene.links is None:
         return CommandPost(scene, strategy, seed)
     return DecentralisedCommand(scene, strategy, scene.links, seed)
