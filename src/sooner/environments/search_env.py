@@ -34,8 +34,8 @@ class SearchEnv(gymnasium.Env[Observation, ArrayLike]):
     Reward        by how much E grew, [Wolek2020, eq. (20)]: the return is the `Episode`'s E. What is in view at the
                   start is in the first reward. Where no target is, E is its half that nodes make.
     End           `terminated` when the mission's time is up, `truncated` never.
-    Info          `scene`, `seed`, `second`; what the detector holds against its threshold (`sum`); and what the team
-                  does not know and no policy may use: `calls` and `false_calls` so far, shares of `nodes` and of
+    Info          `scene`, `seed`, `second`; what the detector holds against its threshold (`sum`), `calls` so far; and
+                  what the team does not know and no policy may use: `false_calls` so far, shares of `nodes` and of
                   `targets` detected, `e` so far.
 
     `reset(seed=n)` settles everything: it flies the search that `simulate(scene, strategy, n)` flies. Without a seed

@@ -13,7 +13,7 @@ from sooner.grid import Grid
 from sooner.simulation import Agent, Episode, Keep, Scene
 from sooner.simulation.in_flight import Flight
 from sooner.simulation.loop import Record, command_of
-from sooner.simulation.strategies import Routes, Situation, Strategy
+from sooner.simulation.strategies import Routes, Situation
 
 __all__ = ["CAPTURE", "Turns"]
 
@@ -74,9 +74,9 @@ class Turns:
             flight.go_on()
         self._command.plan(flight)
 
-    def episode(self, strategy: Strategy | None = None) -> Episode:
-        """The search as far as it has come; the strategy is whom it names as having flown."""
-        return self._record.episode(self.flight, self._command, strategy, self.seed)
+    def episode(self) -> Episode:
+        """The search as far as it has come, by a strategy that no file can name."""
+        return self._record.episode(self.flight, self._command, None, self.seed)
 
     def shown_to(self, watch: Watch) -> None:
         """Show this second's looks to a session that keeps a belief of its own, and those of every second to come."""
