@@ -314,6 +314,24 @@ def test_others_are_thought_where_their_last_route_leads_them():
     assert flown.second == 0
 
 
+def test_those_not_heard_of_are_thought_to_fly_what_the_last_plan_had_in_mind_for_them():
+    scene = Scene(World(GRAPH), seconds=20, links=Links(loss=1.0))
+    strategy = make_strategy("joint")
+    flown = Flight(scene, 1, scene.starts(strategy, 1), strategy.capture)
+    command = DecentralisedCommand(scene, strategy, scene.links, 1)
+    flown.look()
+    command.see(flown)
+    command.plan(flown)
+    minded = command._aboard[0].thought[1]
+    assert len(minded.route) > 1
+    while flown.second < 5:
+        flown.go_on()
+    told = command._reckoned(flown, 0, command._aboard[0])[1]
+    path = flight(scene.agents[1], minded.place_m, minded.route, capture_m=6.25, seconds=5)
+    np.testing.assert_allclose(told.place_m, path[-1])
+    assert np.linalg.norm(told.place_m - minded.place_m) > 5.0
+
+
 @pytest.mark.parametrize(
     "bad", [{"range_m": -1.0}, {"range_m": np.nan}, {"loss": 1.1}, {"loss": np.nan}, {"delay_s": -1}, {"delay_s": 0.5}]
 )

@@ -78,7 +78,7 @@ class DecentralisedCommand:
 
         Returns
         -------
-        (float, tuple of int)    the most that an agent's detector holds, and the cells where one calls
+        Told       the most that an agent's detector holds, and what any of them calls
         """
         second, clocks = flight.second, self.network.clocks
         self._store.add(second, flight.log)
