@@ -185,7 +185,8 @@ def situation(agents: tuple[Agent, ...], seed: int = 0, states: CellStates | Non
         velocities_mps=np.zeros((len(agents), 2)),
         routes=tuple(np.empty((0, 2)) for _ in agents),
         states=CellStates.unknown(graph.grid.n_cells) if states is None else states,
-        detected_target=False,
+        sought=True,
+        found=False,
         graph=graph,
     )
 

@@ -14,6 +14,7 @@ from sooner.belief.information import (
 from sooner.belief.state_information import InformationTable, state_entropy, state_information
 from sooner.belief.street_kriging import KrigingSession, StreetKriging, street_directions
 from sooner.belief.track_before_detect import Track, TrackBeforeDetect
+from sooner.belief.tracks import Following, Tracks
 from sooner.belief.update import predict, update_on_miss
 
 __all__ = [
@@ -21,11 +22,13 @@ __all__ = [
     "BetaGrid",
     "CellStates",
     "EvidenceGrid",
+    "Following",
     "InformationTable",
     "KrigingSession",
     "StreetKriging",
     "Track",
     "TrackBeforeDetect",
+    "Tracks",
     "beta_information",
     "beta_information_table",
     "binary_entropy",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import log
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +14,22 @@ from sooner.belief import _track_kernels as kernels
 from sooner.errors import InvalidProblemError
 from sooner.streets import TargetStates
 
-__all__ = ["Track", "TrackBeforeDetect", "start_ratio"]
+__all__ = ["Track", "TrackBeforeDetect", "TrackSettings", "start_ratio"]
+
+
+class TrackSettings(Protocol):
+    """How a target comes and goes, as far as a track is told."""
+
+    @property
+    def vanish(self) -> float:
+        """q(phi | s), a second."""
+
+    @property
+    def appear(self) -> float:
+        """The sum over states of q(s | phi), a second."""
+
+    def start_ratio(self, n_cells: int) -> float:
+        """Likelihood ratio at which a newly explored state begins."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +87,10 @@ class TrackBeforeDetect:
         """The sum over states of q(s | phi) = alpha (1 - p_phi)."""
         return self.decay * (1.0 - self.absent)
 
+    def start_ratio(self, n_cells: int) -> float:
+        """Likelihood ratio at which a newly explored state begins."""
+        return start_ratio(self.absent, n_cells) if self.start is None else self.start
+
     def begun(self, states: TargetStates, weights: NDArray[np.float64]) -> Track:
         """A track that has explored nothing, of a target that walks by those transition probabilities."""
         weights = np.ascontiguousarray(weights, np.float64)
@@ -101,7 +121,7 @@ class Track:
 
     Parameters
     ----------
-    settings : TrackBeforeDetect
+    settings : TrackSettings            of the target's coming and going
     states : TargetStates               of the whole graph; what is not explored holds no probability
     weights : (transitions,) float      q_walk, as `TargetWalk.weights` gives it
     probability : (S + 1,) float        p(s), then p(phi); totals one
@@ -110,7 +130,7 @@ class Track:
     confined : (transitions,) float     q_walk confined to explored states, 0 elsewhere
     """
 
-    settings: TrackBeforeDetect
+    settings: TrackSettings
     states: TargetStates
     weights: NDArray[np.float64]
     probability: NDArray[np.float64]
@@ -121,8 +141,7 @@ class Track:
     @cached_property
     def start_ratio(self) -> float:
         """Likelihood ratio at which a newly explored state begins."""
-        given = self.settings.start
-        return start_ratio(self.settings.absent, self.states.graph.grid.n_cells) if given is None else given
+        return self.settings.start_ratio(self.states.graph.grid.n_cells)
 
     @cached_property
     def _scratch(self) -> NDArray[np.float64]:
@@ -137,6 +156,26 @@ class Track:
         """The same track, to go on by itself."""
         arrays = self.probability.copy(), self.explored.copy(), self.found.copy(), self.confined.copy()
         return Track(self.settings, self.states, self.weights, *arrays)
+
+    @property
+    def resting(self) -> float:
+        """Probability of each explored state where nothing has been seen for long: its share of the prior odds.
+
+        ((1 - p_phi) / p_phi) p(phi) / |S|, with p_phi the prior that vanishing and appearing keep up
+        """
+        vanish, appear = self.settings.vanish, self.settings.appear
+        odds = appear / vanish if vanish > 0.0 else 1.0
+        return odds * float(self.probability[-1]) / max(int(self.explored.sum()), 1)
+
+    def hold(self, probability: ArrayLike) -> None:
+        """Believe (S,) float of the states, and of no target what is believed now; made to total one."""
+        self.probability[:-1] = np.where(self.explored, probability, 0.0)
+        kernels.normalise(self.probability, self.explored, self.states.graph.starts, self.found)
+
+    def restart(self) -> None:
+        """Believe what is believed where nothing has been seen for long; what is explored stays so."""
+        self.probability[-1] = 1.0
+        self.hold(np.full(self.states.n_states, self.resting))
 
     def explore(self, nodes: ArrayLike) -> None:
         """Add newly detected nodes, and with them the states that they open."""

@@ -40,7 +40,7 @@ def observed(situation: Situation) -> Observation:
         "maps": maps.reshape(len(MAPS), height, width),
         "agents": _agents(situation).astype(np.float32),
         "time_left": np.array([1.0 - situation.now_s / situation.end_s], np.float32),
-        "detected": np.array([situation.detected_target], np.float32),
+        "detected": np.array([situation.found], np.float32),
     }
 
 

@@ -81,7 +81,7 @@ class Turns:
     def shown_to(self, watch: Watch) -> None:
         """Show this second's looks to a session that keeps a belief of its own, and those of every second to come."""
         self._only.watcher = watch
-        watch(self.flight.log.newest_cells, self.flight.log.newest_target_ratios)
+        watch(self.flight.log.newest_cells, self._command.belief.newest_ratios)
 
     @property
     def _only(self) -> _Seat:

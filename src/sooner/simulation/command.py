@@ -72,8 +72,10 @@ class CommandPost:
         self.belief = scene.estimator.begun(scene.world, scene.sensing.most_looks)
         self._rng = generator(seed, Purpose.STRATEGY)
         self._newest = LookLog(0)
+        self._calls: tuple[int, ...] = ()
         self._session: Session | None = None
         self._watch: Watch | None = None
+        self._found: Callable[[int], None] | None = None
         self._unwatched: Any = None
 
     @property
@@ -94,6 +96,7 @@ class CommandPost:
         """Take in the looks of a second, of all agents or of some."""
         self._newest = log
         told = self.belief.see(second, log)
+        self._calls = told[1]
         self._show()
         return told
 
@@ -106,6 +109,7 @@ class CommandPost:
         if self._session is None:
             self._session = self.strategy.session(situation, self._rng)
             self._watch = getattr(self._session, "watch", None)
+            self._found = getattr(self._session, "found", None)
             self._unwatched = self._remembered()
             self._show()
         answer = self._session.routes(situation)
@@ -130,9 +134,12 @@ class CommandPost:
         return None if remembered is None else remembered()
 
     def _show(self) -> None:
-        """Show the newest looks to a session that keeps a belief of its own."""
+        """Show the newest looks, and what was found, to a session that keeps a belief of its own."""
         if self._watch is not None:
-            self._watch(self._newest.newest_cells, self._newest.newest_target_ratios)
+            self._watch(self._newest.newest_cells, self.belief.newest_ratios)
+        if self._found is not None and self.belief.sought:
+            for cell in self._calls:
+                self._found(cell)
 
     def _situation(
         self, second: int, places_m: NDArray[np.float64], velocities_mps: NDArray[np.float64], routes: Routes
@@ -148,6 +155,7 @@ class CommandPost:
             velocities_mps=velocities_mps,
             routes=routes,
             states=self.belief.states,
-            detected_target=self.belief.has_called,
+            sought=self.belief.sought,
+            found=self.belief.has_called,
             graph=scene.world.graph,
         )

@@ -80,6 +80,8 @@ class Episode:
     plans : tuple of tuples of (k, 2)       routes at each replan, by agent
     looks, beliefs                          kept if asked for
     agents_node_seconds : (A, M) or None    where agents believe by themselves: as `node_seconds`, which is the first
+    followed : (F, 3) int64                 where targets that were found are followed: second, number of the track (one
+                                            that commands all numbers its calls from 1), cell where it is likeliest
     """
 
     scene: Scene
@@ -94,6 +96,7 @@ class Episode:
     looks: Looks | None = field(default=None, repr=False)
     beliefs: Beliefs | None = field(default=None, repr=False)
     agents_node_seconds: NDArray[np.int64] | None = field(default=None, repr=False)
+    followed: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 3), np.int64), repr=False)
 
     @property
     def seconds(self) -> int:
@@ -135,6 +138,11 @@ class Episode:
     def false_calls(self) -> int:
         """Calls with no target near."""
         return sum(call.target < 0 for call in self.calls)
+
+    @property
+    def repeated_calls(self) -> int:
+        """Calls near a target that an earlier one had found: neither finds nor false."""
+        return len(self.calls) - self.false_calls - int((self.found_targets >= 0).sum())
 
     @property
     def e_nodes(self) -> float:

@@ -34,6 +34,7 @@ _ALWAYS = (
 _LOOKS = ("firsts", "cells", "agents", "map_levels", "target_levels")
 _BELIEFS = ("seconds", "void", "occupied", "explored")
 _BY_AGENT = "agents_node_seconds"
+_FOLLOWED = "followed"
 _EXPECTED = "expected an episode that sooner wrote"
 
 
@@ -66,6 +67,8 @@ def save_episode(episode: Episode, path: Path) -> None:
         arrays |= {f"beliefs_{name}": getattr(episode.beliefs, name) for name in _BELIEFS}
     if episode.agents_node_seconds is not None:
         arrays[_BY_AGENT] = episode.agents_node_seconds
+    if len(episode.followed):
+        arrays[_FOLLOWED] = episode.followed
     with path.open("wb") as file:
         np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
 
@@ -102,7 +105,8 @@ def replayed(episode: Episode) -> Episode:
 
 def _read(path: Path) -> Arrays:
     """The arrays of an .npz, none of them of objects, and none larger than it says."""
-    names = {*_ALWAYS, _BY_AGENT, *(f"looks_{name}" for name in _LOOKS), *(f"beliefs_{name}" for name in _BELIEFS)}
+    kept = {*(f"looks_{name}" for name in _LOOKS), *(f"beliefs_{name}" for name in _BELIEFS)}
+    names = {*_ALWAYS, _BY_AGENT, _FOLLOWED, *kept}
     arrays: Arrays = {}
     try:
         with zipfile.ZipFile(path) as archive:
@@ -166,6 +170,7 @@ def _episode(arrays: Arrays) -> Episode:
         looks=Looks(*(arrays[f"looks_{name}"] for name in _LOOKS)) if "looks_firsts" in arrays else None,
         beliefs=Beliefs(*(arrays[f"beliefs_{name}"] for name in _BELIEFS)) if "beliefs_seconds" in arrays else None,
         agents_node_seconds=arrays.get(_BY_AGENT),
+        followed=arrays.get(_FOLLOWED, np.empty((0, 3), np.int64)),
     )
 
 
@@ -182,6 +187,10 @@ def _check(arrays: Arrays, scene: Scene) -> None:
     calls = _expect("calls", arrays, "i", (None, 3), -1)
     if len(calls) and not (calls.min(axis=0) >= [0, 0, -1]).all() & (calls.max(axis=0) < [T, M, max(Q, 1)]).all():
         raise InvalidProblemError("calls out of the mission's seconds, cells or targets came")
+    if _FOLLOWED in arrays:
+        followed = _expect(_FOLLOWED, arrays, "i", (None, 3), 0)
+        if len(followed) and not (followed.max(axis=0) < [T, T * A + 1, M]).all():
+            raise InvalidProblemError("targets followed out of the mission's seconds or cells came")
     lengths = _expect("route_lengths", arrays, "i", (None,), 0, 1_000_000)
     _expect("waypoints", arrays, "f", (int(lengths.sum()), 2))
     if len(lengths) % A:

@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 from sooner.belief.cell_states import CellStates
 from sooner.belief.street_kriging import StreetKriging
 from sooner.belief.track_before_detect import Track, TrackBeforeDetect
+from sooner.belief.tracks import Tracks
 from sooner.errors import InvalidProblemError
 from sooner.simulation.sensing import LookLog
 from sooner.simulation.world import World
 
-__all__ = ["Detector", "Estimator", "Prior", "TeamBelief"]
+__all__ = ["Detector", "Estimator", "Prior", "TeamBelief", "Tracking"]
 
 Detector = Literal["cbht", "lrdt"]
+Tracking = Literal["one", "restarted", "each"]
 Prior = Literal["uniform", "kriged", "known"]
 
 
@@ -36,11 +38,16 @@ class Estimator:
     absent : float       probability that there is no target
     odds : float         at which a node, or a target, is detected; 19 is a confidence of 95 %
     decay : float        alpha in (0, 1]: how fast an unseen target's likelihood ratio returns to its prior
+    tracks : str         what becomes of the tracker when it has called. "one": it goes on as it is, and nobody else is
+                         sought, as where there is one target. How many there are is not known in the others, and the
+                         search goes on to the end. "each": what it has found is followed by a track of its own, which
+                         explains what is seen of it, and the tracker searches for another; see `Tracks`. "restarted":
+                         it begins again from its prior, and will soon call what is still in view
 
     Raises
     ------
-    InvalidProblemError  if a name or number is none of these, or cells are tested though the map is known: on a known
-                         map they are settled from the start
+    InvalidProblemError  if a name or number is none of these, cells are tested though the map is known (on a known map
+                         they are settled from the start), or tracks are asked for where cells are tested
     """
 
     detector: Detector = "lrdt"
@@ -49,12 +56,19 @@ class Estimator:
     absent: float = 0.5
     odds: float = 19.0
     decay: float = 0.1
+    tracks: Tracking = "one"
 
     def __post_init__(self) -> None:
         if self.detector not in ("cbht", "lrdt"):
             raise InvalidProblemError(f"detector {self.detector!r} came; expected 'cbht' or 'lrdt'")
         if self.prior not in ("uniform", "kriged", "known"):
             raise InvalidProblemError(f"prior {self.prior!r} came; expected 'uniform', 'kriged' or 'known'")
+        if self.tracks not in ("one", "restarted", "each"):
+            raise InvalidProblemError(f"tracks {self.tracks!r} came; expected 'one', 'restarted' or 'each'")
+        if self.tracks != "one" and self.detector == "cbht":
+            raise InvalidProblemError(
+                f"tracks = {self.tracks!r} and the cell-wise test came; it tracks nobody: expected 'one', or 'lrdt'"
+            )
         if self.prior == "known" and self.detector == "cbht":
             raise InvalidProblemError("the cell-wise test on a known map came; it tests only cells with no node yet")
         if not (0.0 < self.void < 1.0 and 0.0 < self.absent < 1.0):
@@ -81,7 +95,9 @@ class TeamBelief:
 
     states : CellStates            of all cells
     node_seconds : (M,) int64      when each cell's node was detected, -1 not yet; 0 on a known map
-    track : Track or None          of the target, if the detector tracks
+    track : Track or None          of the target that is sought, if the detector tracks
+    tracks : Tracks or None        that one and those of targets found, if each has its own
+    newest_ratios : (k,) float     what the newest looks say of the target that is sought
     """
 
     def __init__(self, estimator: Estimator, world: World, most_looks: int) -> None:
@@ -95,14 +111,26 @@ class TeamBelief:
         self._world = world
         self._kriging = StreetKriging().session(world.graph.grid) if estimator.prior == "kriged" else None
         self.track = _begun(estimator, world) if estimator.detector == "lrdt" else None
+        self.tracks = Tracks(self.track) if self.track is not None and estimator.tracks == "each" else None
         self._found = np.empty(most_looks, np.int64)
         self._ratios = np.zeros(n_cells)
-        self._above = self._called = False
+        self.newest_ratios = np.empty(0)
+        self._above, self._called = False, 0
 
     @property
     def has_called(self) -> bool:
         """Whether the detector has called."""
-        return self._called
+        return self._called > 0
+
+    @property
+    def sought(self) -> bool:
+        """Whether a target is still sought."""
+        return self._called == 0 or self.estimator.tracks != "one"
+
+    @property
+    def followed(self) -> dict[int, int]:
+        """The cell where each target that was found is likeliest, while it is followed; by the number of its call."""
+        return {} if self.tracks is None else self.tracks.places
 
     def see(self, second: int, log: LookLog) -> tuple[float, tuple[int, ...]]:
         """Take in this second's looks: Bayes' law in each cell, nodes detected, the target tracked.
@@ -115,8 +143,18 @@ class TeamBelief:
         total, cell = self._detect(second, log)
         above = total >= self.estimator.odds
         calls = above and (not self._above or self.track is None)
-        self._above, self._called = above, self._called or calls
+        self._above, self._called = above, self._called + calls
+        if calls and self.track is not None and self.estimator.tracks != "one":
+            self._search_on(self.track, cell)
         return total, (cell,) if calls else ()
+
+    def _search_on(self, track: Track, cell: int) -> None:
+        """One target is found; the tracker searches for another."""
+        if self.tracks is None:
+            track.restart()
+        else:
+            self.tracks.confirm(cell)
+        self._ratios[:], self._above = track.node_ratios, False
 
     def _detect(self, second: int, log: LookLog) -> tuple[float, int]:
         """What the detector holds against its threshold, and the cell where a target is likeliest."""
@@ -127,9 +165,14 @@ class TeamBelief:
             second, log.cells, log.map_ratios, log.target_ratios, log.start, log.end, states.void, states.unoccupied,
             states.occupied, states.explored, states.nodes, self.estimator.odds, self._found, self.node_seconds,
         )  # fmt: skip
+        self.newest_ratios = log.newest_target_ratios
         if track is None:
             return odds, cell
-        return track.second(self._found[:new], log.newest_cells, log.newest_target_ratios, self._ratios)
+        if self.tracks is None:
+            return track.second(self._found[:new], log.newest_cells, log.newest_target_ratios, self._ratios)
+        told = self.tracks.second(self._found[:new], log.newest_cells, log.newest_target_ratios, self._ratios)
+        self.newest_ratios = self.tracks.left
+        return told
 
     def predict(self) -> None:
         """Before a replan: what was seen says where nodes are likely that nobody has seen, if the prior is kriged."""
@@ -158,6 +201,7 @@ class TeamBelief:
             self.states.copy(), self.node_seconds.copy(), self._ratios.copy(),
         )  # fmt: skip
         other.track = None if self.track is None else self.track.copy()
+        other.tracks = None if self.tracks is None or other.track is None else self.tracks.copy(other.track)
         other._kriging = None if self._kriging is None else self._kriging.copy()
         return other
 
@@ -167,6 +211,8 @@ class TeamBelief:
             np.copyto(own, other)
         if self._kriging is not None and kept._kriging is not None:
             self._kriging.restore(kept._kriging)
+        if self.tracks is not None and kept.tracks is not None:
+            self.tracks.restore(kept.tracks)
         self._above, self._called = kept._above, kept._called
 
     def _arrays(self) -> Iterator[NDArray[Any]]:

@@ -75,6 +75,7 @@ class Record:
     keep: Keep
     sums: list[float] = field(default_factory=list)
     calls: list[Call] = field(default_factory=list)
+    followed: list[tuple[int, int, int]] = field(default_factory=list)
     plans: list[Routes] = field(default_factory=list)
     snapshots: list[tuple[int, NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]] = field(
         default_factory=list
@@ -90,7 +91,8 @@ class Record:
         self.plans.append(flight.routes)
 
     def believed(self, flight: Flight, command: Command) -> None:
-        """A copy of what is believed now, if it is time for one."""
+        """Where targets that were found are believed to be, and a copy of what else is, if it is time for one."""
+        self.followed.extend((flight.second, number, cell) for number, cell in command.belief.followed.items())
         if self.keep.beliefs_s and flight.second % self.keep.beliefs_s == 0:
             command.belief.settle()
             states = command.belief.states
@@ -111,6 +113,7 @@ class Record:
             plans=tuple(self.plans),
             looks=flight.looks() if self.keep.looks else None,
             beliefs=self._beliefs() if self.snapshots else None,
+            followed=np.array(self.followed, np.int64).reshape(-1, 3),
         )
 
     def _beliefs(self) -> Beliefs:

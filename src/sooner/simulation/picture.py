@@ -122,6 +122,7 @@ def _draw_map(axes: Axes, episode: Episode, first: int, last: int) -> None:
     places = graph.positions_m[episode.targets[last]]
     axes.plot(*places.T, "+", color=TARGET, ms=11, mew=2.2, zorder=6)
     _draw_calls(axes, episode, first, last)
+    _draw_followed(axes, episode, first, last)
     axes.set_xticks([])
     axes.set_yticks([])
 
@@ -143,6 +144,18 @@ def _draw_calls(axes: Axes, episode: Episode, first: int, last: int) -> None:
         if first <= call.second <= last:
             place = episode.scene.grid.centres_m[call.cell]
             axes.plot(*place, "s", mfc="none", mec=TARGET if call.target >= 0 else GREY, ms=11, mew=1.4, zorder=6)
+
+
+def _draw_followed(axes: Axes, episode: Episode, first: int, last: int) -> None:
+    """Where targets that were found were likeliest: dotted ways, and at the end of each the number of its call."""
+    second, number, cell = episode.followed.T
+    now = (second >= first) & (second <= last)
+    for each in np.unique(number[now]).tolist():
+        way = episode.scene.grid.centres_m[cell[now & (number == each)]]
+        axes.plot(*way.T, color=TARGET, lw=1.3, ls=":", zorder=6)
+        axes.annotate(
+            str(each), way[-1], (6, 5), textcoords="offset points", fontsize=9, color=TARGET, zorder=7, weight="bold"
+        )
 
 
 def _draw_curve(axes: Axes, episode: Episode, curve: NDArray[np.float64], colour: str, title: str) -> None:

@@ -110,6 +110,10 @@ class JointSession:
         """Take in one second's looks for a target."""
         self._presence.watch(cells, target_ratios)
 
+    def found(self, cell: int) -> None:
+        """A target was found; another is sought."""
+        self._presence.found(cell)
+
     def remembered(self) -> Floats:
         """What was made of the looks so far."""
         return self._presence.shares.copy()
@@ -124,7 +128,7 @@ class JointSession:
 
         strategy, states = self.strategy, situation.states
         self._presence.states = states
-        self._presence.weigh(0.0 if situation.detected_target else strategy.target, self._weights)
+        self._presence.weigh(strategy.target if situation.sought else 0.0, self._weights)
         seconds = int(situation.end_s - situation.now_s)
         rounds, routes = strategy.rounds, situation.routes
         if not self._begun:

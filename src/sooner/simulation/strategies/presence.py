@@ -32,6 +32,7 @@ class Presence:
     grid: Grid
     states: CellStates
     least: float = 0.3
+    near: int = 6
     shares: NDArray[np.float64] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -47,6 +48,15 @@ class Presence:
 
         look(self.shares, cells, target_ratios)
         drift(self.shares, self.states.void, *self.grid.shape, 1, self.least, *self._room)
+
+    def found(self, cell: int) -> None:
+        """A target was found in a cell; there is another: near the cell nothing says more for it than elsewhere."""
+        rows, cols = np.divmod(np.arange(self.grid.n_cells), self.grid.shape[1])
+        near = np.maximum(np.abs(rows - rows[cell]), np.abs(cols - cols[cell])) <= self.near
+        likely = (1.0 - self.states.void)[~near]
+        level = float((self.shares[~near] * likely).sum() / max(float(likely.sum()), 1e-9))
+        self.shares[near] = np.minimum(self.shares[near], level)
+        self.shares /= float((self.shares * (1.0 - self.states.void)).sum())
 
     def weigh(self, target: float, weights: NDArray[np.float64]) -> None:
         """Write (M,) w = n / N + target b: the worth of a cell's first view coming a second sooner."""

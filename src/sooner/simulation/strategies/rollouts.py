@@ -93,6 +93,10 @@ class RolloutsSession:
         """Take in one second's looks for a target."""
         self._presence.watch(cells, target_ratios)
 
+    def found(self, cell: int) -> None:
+        """A target was found; another is sought."""
+        self._presence.found(cell)
+
     def remembered(self) -> NDArray[np.float64]:
         """What was made of the looks so far."""
         return self._presence.shares.copy()
@@ -107,7 +111,7 @@ class RolloutsSession:
 
         strategy = self.strategy
         self._presence.states = situation.states
-        self._presence.weigh(0.0 if situation.detected_target else strategy.target, self._weights)
+        self._presence.weigh(strategy.target if situation.sought else 0.0, self._weights)
         seconds = max(int(min(strategy.horizon_s, situation.end_s - situation.now_s)), 1)
         packed, lengths = pack(situation.routes, strategy.waypoints)
         starts = np.hstack([situation.places_m, situation.velocities_mps])

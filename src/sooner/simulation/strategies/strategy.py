@@ -32,7 +32,8 @@ class Situation:
     places_m, velocities_mps : (A, 2)  metres and metres a second, east and north
     routes : Routes                    what is left of the last plan
     states : CellStates                void, unoccupied, occupied, explored and detected nodes, by cell
-    detected_target : bool             whether the detector has called
+    sought : bool                      whether a target is sought still, or another
+    found : bool                       whether the detector has called
     graph : OccupancyGraph             the true streets: only edges between detected nodes may be asked for,
                                        `graph.explored_edges(states.nodes[graph.cells])`
     """
@@ -46,7 +47,8 @@ class Situation:
     velocities_mps: NDArray[np.float64]
     routes: Routes
     states: CellStates
-    detected_target: bool
+    sought: bool
+    found: bool
     graph: OccupancyGraph
 
 
@@ -56,7 +58,9 @@ class Session(Protocol):
     It may have a method `watch(cells, target_ratios)` as well, which is shown the looks of every second, those of a
     replan before the replan: (k,) int32 cells, and P(level | target) / P(level | none) of what was read there. It then
     has `remembered()` too, which gives what it has made of them so far, and `recall(kept)`, which goes back to that:
-    over slow links looks come late, and what followed them is watched again.
+    over slow links looks come late, and what followed them is watched again. Where targets that were found have tracks
+    of their own, what these explain is taken out of the ratios. And it may have `found(cell)`, which is told after the
+    looks that a target was found in a cell, and that another is sought.
     """
 
     def routes(self, situation: Situation) -> Routes:

@@ -1,0 +1,84 @@
+"""Several targets: a track of its own for each that is found, against one tracker that is restarted after each call.
+
+python benchmarks/simulation/targets.py --maps 4 --trials 5                  # generated streets, four of each kind
+SOONER_DATA=... python benchmarks/simulation/targets.py --trials 50          # the three maps of [Wolek2020]'s authors
+
+The same seeds for all, so that differences are of pairs: targets, starts and readings are the same.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sooner.io import read_street_map
+from sooner.scenarios import STREET_KINDS, street_grid
+from sooner.simulation import Estimator, Scene, World, simulate
+from sooner.simulation.strategies import make_strategy
+from sooner.streets import OccupancyGraph
+
+MAPS = ("authors_map1_randalls_island", "authors_map2_silver_spring", "authors_map3_nyc")
+MEASURES = ("all found after s", "share found", "E_targ", "E", "false calls", "repeated calls")
+WAYS = ("restarted", "each")
+
+
+def main() -> None:
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("--maps", type=int, default=0, help="generated maps of each kind; 0 for the authors' maps")
+    asked.add_argument("--trials", type=int, default=50, help="on each map")
+    asked.add_argument("--first", type=int, default=0, help="the first seed, of maps and of trials")
+    asked.add_argument("--targets", type=int, nargs="+", default=[2, 3])
+    asked.add_argument("--strategies", nargs="+", default=["information", "joint"])
+    asked.add_argument(
+        "--ways", nargs="+", default=WAYS, help="how targets are tracked; differences are from the first"
+    )
+    said = asked.parse_args()
+    graphs = list(_graphs(said.maps, said.first))
+    print(f"| targets | strategy | tracks | {' | '.join(MEASURES)} | CPU ms |")
+    print("|---" * (len(MEASURES) + 4) + "|")
+    for n_targets in said.targets:
+        for strategy in said.strategies:
+            first = None
+            for way in said.ways:
+                began = time.process_time()
+                seeds = range(said.first, said.first + said.trials)
+                rows = np.array([flown(graph, n_targets, strategy, way, seed) for graph in graphs for seed in seeds])
+                spent = 1e3 * (time.process_time() - began) / len(rows)
+                print(f"| {n_targets} | {strategy} | {way} | {_told(rows)} | {spent:.0f} |", flush=True)
+                if first is None:
+                    first = rows
+                else:
+                    print(f"| | | {way} - {said.ways[0]} | {_told(rows - first)} | |", flush=True)
+
+
+def _graphs(maps: int, first: int) -> Iterator[OccupancyGraph]:
+    if maps:
+        yield from (street_grid(kind, first + n) for kind in STREET_KINDS for n in range(maps))
+        return
+    folder = Path(os.environ["SOONER_DATA"]) / "occupancy_graphs"
+    yield from (read_street_map(folder / f"{name}.graph.json").graph for name in MAPS)
+
+
+def flown(graph: OccupancyGraph, n_targets: int, strategy: str, way: str, seed: int) -> tuple[float, ...]:
+    """What one trial measures, in the order of `MEASURES`."""
+    estimator = Estimator(prior="kriged", tracks=way)
+    episode = simulate(Scene(World(graph, n_targets=n_targets), estimator=estimator), make_strategy(strategy), seed)
+    found = episode.found_targets
+    last = found.max() if (found >= 0).all() else episode.seconds
+    share = float((found >= 0).mean())
+    return float(last), share, episode.e_targets, episode.e, episode.false_calls, episode.repeated_calls
+
+
+def _told(rows: NDArray[np.float64]) -> str:
+    errors = rows.std(axis=0, ddof=1) / np.sqrt(len(rows))
+    return " | ".join(f"{mean:.3f} +- {error:.3f}" for mean, error in zip(rows.mean(axis=0), errors, strict=True))
+
+
+if __name__ == "__main__":
+    main()
