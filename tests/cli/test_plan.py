@@ -118,7 +118,7 @@ def test_a_fixed_wing_that_is_stuck_is_refused(sooner, mission):
     ("arguments", "told"),
     [
         (["--planner", "clever"], "planner 'clever' came; expected one of"),
-        (["--format", "kml"], "'kml' came; expected csv"),
+        (["--format", "shp"], "'shp' came; expected one or more of qgc"),
         (["--seconds", "0"], "planning time of 0.0 s"),
         (["--seconds", "nan"], "planning time of nan s"),
         (["--seconds", "long"], "--seconds"),

@@ -82,7 +82,10 @@ def plan(
     seconds: Annotated[float, typer.Option(help="Planning time.")] = 10.0,
     seed: Seed = 0,
     out: Annotated[Path | None, typer.Option(help="Folder for plan, picture and result.")] = None,
-    file_format: Annotated[str, typer.Option("--format", help="Of the plan file: csv.")] = "csv",
+    formats: Annotated[
+        list[str] | None,
+        typer.Option("--format", metavar="F[,F]", help="Files to fly beside plan.csv, as `sooner export` writes."),
+    ] = None,
     json: Json = False,
     quiet: Quiet = False,
     force: Force = False,
@@ -92,7 +95,7 @@ def plan(
     Writes plan.csv, plan.json and plan.png to --out (left out: a folder MISSION-plan beside the mission file).
     Ctrl-C ends the planning; the best plan so far is written.
     """
-    return partial(_run, "plan", "plan", mission, planner, seconds, seed, out, file_format, json, quiet, force)
+    return partial(_run, "plan", "plan", mission, planner, seconds, seed, out, formats or [], json, quiet, force)
 
 
 @app.command()
@@ -110,6 +113,33 @@ def evaluate(
 ) -> Work:
     """Score any plan, ours or not, by the judge; an illegal plan is refused with the reason."""
     return partial(_run, "evaluate", "evaluate", mission, plan, json)
+
+
+@app.command(name="export")
+def export_plan(
+    mission: MissionFile,
+    plan: Annotated[Path, typer.Argument(metavar="PLAN.csv", help="What `sooner plan` wrote, or a plan of your own.")],
+    formats: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--format",
+            metavar="F[,F]",
+            help="qgc (QGroundControl), waypoints (Mission Planner), dji (Pilot 2), kml, gpx, caltopo, "
+            "cot (ATAK), geotiff (POC before and after, POD).",
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the files; left out: the plan's.")] = None,
+    autopilot: Annotated[str, typer.Option(help="For qgc: ardupilot or px4.")] = "ardupilot",
+    dji: Annotated[str, typer.Option(help="For dji: m300, m350, m30, m30t, m3e, m3t, m3d or m3td.")] = "m30t",
+    json: Json = False,
+    force: Force = False,
+) -> Work:
+    """Write a plan as files that aircraft fly and maps show; one for each drone where a file holds one flight.
+
+    The mission needs a georeferenced raster. Drones fly searcher.altitude_m above where they take off, else as high
+    as sensor.camera says, else 60 m. What a flight does beyond its plan is told, as the way home.
+    """
+    return partial(_run, "export", "export_plan", mission, plan, formats or [], out, autopilot, dji, json, force)
 
 
 @app.command()

@@ -8,26 +8,30 @@ from pathlib import Path
 from sooner.cli.exits import DONE
 from sooner.cli.words import amount, flight, percent, times
 from sooner.errors import DataFormatError, Fault, IllegalPlanError
-from sooner.missions import Score, read_mission, read_plan_file, score_plan
+from sooner.missions import Mission, Score, read_mission, read_plan_file, score_plan
 
-__all__ = ["evaluate", "tell_collected", "tell_early", "tell_left", "tell_reference"]
+__all__ = ["evaluate", "judged", "tell_collected", "tell_early", "tell_left", "tell_reference"]
 
 
 def evaluate(mission_file: Path, plan_file: Path, as_json: bool) -> int:
     """Read, judge, tell."""
-    mission = read_mission(mission_file)
-    plan = read_plan_file(mission, plan_file)
-    try:
-        score = score_plan(mission, plan)
-    except IllegalPlanError as error:
-        raise DataFormatError(
-            Fault(str(plan_file), "", str(error), f"expected a flight that {mission_file} allows")
-        ) from None
+    score = judged(read_mission(mission_file), plan_file)
     if as_json:
         print(json.dumps(score.result() | {"plan_file": str(plan_file)}, allow_nan=False))
     else:
         _tell(score)
     return DONE
+
+
+def judged(mission: Mission, plan_file: Path) -> Score:
+    """What a plan file is worth; DataFormatError, with the reason, where the mission does not allow its flight."""
+    plan = read_plan_file(mission, plan_file)
+    try:
+        return score_plan(mission, plan)
+    except IllegalPlanError as error:
+        raise DataFormatError(
+            Fault(str(plan_file), "", str(error), f"expected a flight that {mission.path} allows")
+        ) from None
 
 
 def _tell(score: Score) -> None:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
 from sooner.cli.evaluate import tell_collected, tell_early, tell_left, tell_reference
 from sooner.cli.exits import DONE, INTERRUPTED, say, uninterrupted
+from sooner.cli.export import tell_exported
 from sooner.cli.progress import Watch
 from sooner.cli.words import amount, flight, percent, times
-from sooner.errors import DataFormatError, Fault
 from sooner.io import Folder
+from sooner.io.flights import Aircraft
 from sooner.missions import Mission, plan_mission, read_mission
+from sooner.missions.exported import Exported, chosen, export, file_names
 from sooner.missions.planning import FILES, Planned
 from sooner.planners import Status
 
@@ -26,30 +29,42 @@ def plan(
     seconds: float,
     seed: int,
     out: Path | None,
-    file_format: str,
+    formats: Sequence[str],
     as_json: bool,
     quiet: bool,
     force: bool,
 ) -> int:
     """Plan, write, tell; answers the exit status."""
-    if file_format != "csv":
-        fault = Fault("--format", "", f"{file_format!r} came", "expected csv, the only format of this version")
-        raise DataFormatError(fault)
+    asked = chosen([name for each in formats for name in each.split(",") if name.strip() != "csv"], some=False)
     mission = read_mission(mission_file)
     folder = Folder(out or mission_file.parent / f"{mission_file.stem}-plan", force)
-    folder.check(*FILES)
+    names = file_names(mission, asked) if asked else {}
+    folder.check(*FILES, *names)
     with Watch(mission, planner, seconds, quiet) as watch:
         planned = plan_mission(mission, planner, seconds, seed, on_tick=watch.tick)
     with uninterrupted():
         result = planned.write(folder)
+        if not as_json:
+            _tell(mission, planned, result, folder)
+        exported = _exported(planned, asked, folder)
     if as_json:
-        print(json.dumps(result, allow_nan=False))
-    else:
-        _tell(mission, planned, result, folder)
+        told = {} if exported is None else {"exported": exported.result(str(folder.path))}
+        print(json.dumps(result | told, allow_nan=False))
+    elif exported is not None:
+        tell_exported(exported, folder)
     if planned.solution.status is Status.INTERRUPTED:
         say("sooner: interrupted; the best plan so far is written")
         return INTERRUPTED
     return DONE
+
+
+def _exported(planned: Planned, formats: Sequence[str], folder: Folder) -> Exported | None:
+    """The files that fly, written; what the plan is worth stands already, whatever may be wrong with them."""
+    if not formats:
+        return None
+    exported = export(planned.score, formats, Aircraft())
+    folder.write(exported.files)
+    return exported
 
 
 def _reached(mission: Mission, planned: Planned, target: float) -> str:

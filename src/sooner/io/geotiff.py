@@ -23,11 +23,11 @@ def geotiff(values: ArrayLike, ground: Georeference, about: str = "", tags: Mapp
     about : str                 what the numbers are, told beside the band
     tags : mapping              more of the kind, of the whole file
     """
+    from rasterio import Affine
     from rasterio.crs import CRS
     from rasterio.io import MemoryFile
-    from rasterio.transform import from_origin
 
-    band = np.asarray(values, np.float32)
+    band, (west, top) = np.asarray(values, np.float32), ground.corner
     profile = {
         "driver": "GTiff",
         "height": band.shape[0],
@@ -35,7 +35,7 @@ def geotiff(values: ArrayLike, ground: Georeference, about: str = "", tags: Mapp
         "count": 1,
         "dtype": "float32",
         "crs": CRS.from_string(ground.crs),
-        "transform": from_origin(*ground.corner, ground.side, ground.side),
+        "transform": Affine(ground.side, 0.0, west, 0.0, -ground.side, top),
         "compress": "deflate",
         "predictor": 3,
     }

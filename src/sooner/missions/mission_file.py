@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sooner.belief import Belief
 from sooner.errors import DataFormatError, Fault, InvalidProblemError
+from sooner.io.georeference import Georeference
 from sooner.io.reading import read_toml
 from sooner.missions.faults import Faults
 from sooner.missions.layers import Layers
@@ -36,6 +37,7 @@ class Mission:
     cell_m : float or None      metres between cell centres; None where nobody says
     step_s : float or None      seconds that one step takes; None over regions, and where the file says no speed
     notes : tuple of str        what the user should know about how the file was understood
+    ground : Georeference or None  where its cells lie on the globe; None where the rasters do not say
     """
 
     path: Path
@@ -45,6 +47,7 @@ class Mission:
     cell_m: float | None
     step_s: float | None
     notes: tuple[str, ...]
+    ground: Georeference | None = None
 
     @property
     def name(self) -> str:
@@ -105,7 +108,9 @@ def read_mission(path: Path | str) -> Mission:
     except InvalidProblemError as error:  # all that can be foreseen has been reported by key
         raise DataFormatError(Fault(str(path), "", str(error), "expected a search that can be posed")) from None
     notes = (*_notes(settings, sight, problem), *search.notes)
-    return Mission(path, settings, problem, sight, layers.cell_m, search.step_s, notes)
+    located = layers.first is not None and layers.first.corner is not None
+    ground = Georeference.of(layers.first) if located and layers.first is not None else None
+    return Mission(path, settings, problem, sight, layers.cell_m, search.step_s, notes, ground)
 
 
 def _check_required(faults: Faults, settings: Settings) -> None:

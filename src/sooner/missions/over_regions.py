@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from math import inf, radians
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from sooner.problem.region_problem import Sweep, region_problem
 from sooner.problem.regions import ROUNDING_S, RegionMoves
 from sooner.sensors.camera import Camera, speed_to_stop
 
-__all__ = ["OverRegions"]
+__all__ = ["OverRegions", "dynamics_of"]
 
 # In radii of the sensor: what the paper's counts of regions ask for at its 8.8 m, 75 cells of 2.2 m and 3 columns.
 MIN_AREA, MIN_WIDTH = 75 * 2.2**2 / 8.8**2, 3 * 2.2 / 8.8
@@ -222,6 +223,15 @@ class OverRegions:
                 expected = f"expected at least {least:.0f} s: the quickest search, with the ways to and from it"
                 self.faults.add("budget.seconds", came, expected)
         self.faults.refuse()
+
+
+def dynamics_of(settings: Settings, number: int) -> Dynamics:
+    """How a drone flies that a file without faults describes: no faster than its sensors let it."""
+    said = settings.searcher[number]
+    reach = _Reach.of(Faults(Path()), settings).ahead(settings.sensor.range_m, said.accel_mps2)
+    found = reach.dynamics(said)
+    assert found is not None
+    return found
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,52 @@
+"""Maps of a judged plan: where the person may be before and after it, and how surely it would have found them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sooner.belief import Belief, BetaGrid
+from sooner.errors import UnsupportedProblemError
+from sooner.missions.score import Score
+from sooner.problem import Gains, detection_gains
+
+__all__ = ["LAYERS", "chances"]
+
+LAYERS = {
+    "poc-before": "probability that the person is there, before the flight",
+    "poc-after": "probability that the person is there and the flight has not found them: what remains",
+    "pod": "probability that the flight detects who is there",
+}
+
+
+def chances(score: Score) -> dict[str, NDArray[np.float64]]:
+    """The layers of `LAYERS`, (H, W) float each, by the judge's own gains.
+
+    POD_i = 1 - P(all looks at i miss | there),   after_i = POC_i (1 - POD_i)
+
+    What remains does not total one: what is missing was found, or lies outside. Over evidence POC is the probability of
+    each cell by itself.
+
+    Raises
+    ------
+    UnsupportedProblemError     where targets come and go, and nobody is found
+    """
+    sight = score.mission.sight
+    if isinstance(sight.known, BetaGrid):
+        raise UnsupportedProblemError('model = "beta" came, where nobody is found; geotiff expects looks that detect')
+    before = sight.theta
+    everywhere = Belief.from_weights(np.ones(before.shape))
+    pod = _paid(detection_gains(everywhere, sight.detect, sight.correlation), score.looks) * before.size
+    pod = np.minimum(pod, 1.0).reshape(before.shape)
+    return {"poc-before": before, "poc-after": before * (1.0 - pod), "pod": pod}
+
+
+def _paid(gains: Gains, looks: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(N,) float: what so many looks at each cell pay in all: the table's, then the geometric tail."""
+    columns = gains.table.shape[1]
+    in_table = np.concatenate([np.zeros((len(looks), 1)), np.cumsum(gains.table, axis=1)], axis=1)
+    paid = in_table[np.arange(len(looks)), np.minimum(looks, columns)]
+    ratio, more = gains.ratio, np.maximum(looks - columns, 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        terms = np.where(ratio < 1.0, ratio * (1.0 - ratio**more) / (1.0 - ratio), more)
+    return np.asarray(paid + gains.table[:, -1] * terms)

@@ -1,0 +1,133 @@
+"""A judged plan as files: flights that aircraft fly, and maps of what they leave."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sooner.errors import DataFormatError, Fault
+from sooner.io.flights import FORMATS, Aircraft, FlightPlan
+from sooner.io.geotiff import geotiff
+from sooner.missions.chances import LAYERS, chances
+from sooner.missions.flight_plans import Flights, check_place, flights
+from sooner.missions.mission_file import Mission
+from sooner.missions.score import Score
+
+__all__ = ["EXPORTS", "Exported", "chosen", "export", "file_names"]
+
+MAPS = "geotiff"
+EXPORTS: dict[str, str] = {name: each.about for name, each in FORMATS.items()} | {
+    MAPS: "maps of POC before and after the flight, and of POD"
+}
+"""What `sooner export --format` takes, and who reads it."""
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What was made of a plan.
+
+    Parameters
+    ----------
+    files : dict            name -> content
+    formats : dict          name -> format
+    flights : Flights       what they tell aircraft
+    """
+
+    files: dict[str, bytes]
+    formats: dict[str, str]
+    flights: Flights
+
+    def result(self, folder: str) -> dict[str, Any]:
+        """One JSON object: the files, the flights, and what whoever flies them should know."""
+        return {
+            "files": [
+                {"file": f"{folder}/{name}", "format": known, "bytes": len(self.files[name])}
+                for name, known in self.formats.items()
+            ],
+            "searchers": [_told(plan) for plan in self.flights.plans],
+            "notes": list(self.flights.notes),
+        }
+
+
+def _told(plan: FlightPlan) -> dict[str, Any]:
+    return {
+        "searcher": plan.searcher,
+        "home": list(plan.home),
+        "waypoints": len(plan.waypoints),
+        "length_m": plan.length_m,
+        "duration_s": plan.duration_s,
+        "altitude_m": plan.waypoints[0].altitude_m,
+        "speed_mps": plan.speed_mps,
+        "finish": plan.finish,
+        "fences": len(plan.fences),
+    }
+
+
+def chosen(formats: Sequence[str], some: bool = True) -> tuple[str, ...]:
+    """The formats asked for, each once; names may be joined by commas. With `some` there must be one.
+
+    Raises
+    ------
+    DataFormatError         if there is none, or one that nobody knows
+
+    Examples
+    --------
+    >>> chosen(["gpx,kml", "gpx"])
+    ('gpx', 'kml')
+    """
+    names = dict.fromkeys(name.strip() for each in formats for name in each.split(","))
+    wrong = [name for name in names if name not in EXPORTS]
+    if wrong or (some and not names):
+        came = f"{wrong[0]!r} came" if wrong else "nothing came"
+        raise DataFormatError(Fault("--format", "", came, f"expected one or more of {', '.join(EXPORTS)}"))
+    return tuple(names)
+
+
+def file_names(mission: Mission, formats: Sequence[str]) -> dict[str, str]:
+    """The files that these formats make of a mission, each with its format: one for each drone if it holds one flight.
+
+    Raises
+    ------
+    DataFormatError         if the mission does not say where on the globe it lies
+    """
+    check_place(mission)
+    count = len(mission.problem.searchers)
+    named: dict[str, str] = {}
+    for name in formats:
+        if name == MAPS:
+            named |= {f"{layer}.tif": name for layer in LAYERS}
+        elif FORMATS[name].single and count > 1:
+            named |= {f"flight-{number}{FORMATS[name].suffix}": name for number in range(count)}
+        else:
+            named[f"flight{FORMATS[name].suffix}"] = name
+    return named
+
+
+def export(score: Score, formats: Sequence[str], aircraft: Aircraft) -> Exported:
+    """Every file of these formats.
+
+    Raises
+    ------
+    DataFormatError         if the mission says too little for a file that flies
+    UnsupportedProblemError if a format has no way to say this
+    """
+    mission, told = score.mission, flights(score)
+    named = file_names(mission, formats)
+    files: dict[str, bytes] = {}
+    for name in formats:
+        of_this = [file for file, known in named.items() if known == name]
+        made = _maps(score) if name == MAPS else _written(name, told.plans, aircraft)
+        files |= dict(zip(of_this, made, strict=True))
+    return Exported(files, named, told)
+
+
+def _written(name: str, plans: Sequence[FlightPlan], aircraft: Aircraft) -> list[bytes]:
+    known = FORMATS[name]
+    return [known.write([plan], aircraft) for plan in plans] if known.single else [known.write(plans, aircraft)]
+
+
+def _maps(score: Score) -> list[bytes]:
+    ground = check_place(score.mission)
+    tags = {"MISSION": score.mission.name, "TIFFTAG_SOFTWARE": "sooner"}
+    return [geotiff(values, ground, LAYERS[name], tags) for name, values in chances(score).items()]

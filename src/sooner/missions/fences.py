@@ -1,0 +1,103 @@
+"""Fences: the ground that a flight must stay in and the obstacles that it must stay out of, as few plain polygons."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sooner.grid import Grid
+from sooner.io.flights import Fence
+from sooner.io.georeference import Georeference
+from sooner.missions.places import components
+
+__all__ = ["CLEAR_M", "MOST_CORNERS", "fences"]
+
+CLEAR_M = 5.0  # satellites place an aircraft to within a few metres: a fence nearer to its line would stop the flight
+MOST_CORNERS = 100  # of all fences together; autopilots have memory for about as many
+
+Ring = NDArray[np.float64]
+
+
+def fences(
+    grid: Grid, ground: Georeference, line: NDArray[np.float64], closed: bool
+) -> tuple[tuple[Fence, ...], tuple[str, ...]]:
+    """Fences that a flight does not come near, and what is left out.
+
+    The outline of the free ground that hangs together with the flight is to stay in, the obstacles within it are to
+    stay out of. A fence is left out where the flight comes within `CLEAR_M` of it, and where they have too many corners
+    in all: the largest stay. Without obstacles there is none: the edge of a map forbids nothing.
+
+    Parameters
+    ----------
+    grid : Grid             of square cells
+    line : (n, 2) float     rows and columns that the flight passes, on free ground
+    closed : bool           it comes straight back from the last to the first
+    """
+    if grid.obstacles is None:
+        return (), ()
+    outline, holes = _outlines(grid, line)
+    flown = np.concatenate([line, line[:1]]) if closed else line
+    rings = [(outline, True), *((hole, False) for hole in sorted(holes, key=_area, reverse=True))]
+    kept, near, many, corners = [], 0, 0, 0
+    for ring, inclusion in rings:
+        if corners + len(ring) > MOST_CORNERS:
+            many += 1
+        elif _apart(flown, ring) * grid.cell_m < CLEAR_M:
+            near += 1
+        else:
+            corners += len(ring)
+            places = ground.places(ring)
+            kept.append(Fence(tuple((float(lat), float(lon)) for lat, lon in places), inclusion))
+    return tuple(kept), _told(len(rings), near, many)
+
+
+def _told(count: int, near: int, many: int) -> tuple[str, ...]:
+    told = []
+    if near:
+        told.append(f"{near} of {count} fences are left out: the flight comes within {CLEAR_M:g} m of them")
+    if many:
+        told.append(f"{many} of {count} fences are left out: all together have more than {MOST_CORNERS} corners")
+    return tuple(told)
+
+
+def _outlines(grid: Grid, line: NDArray[np.float64]) -> tuple[Ring, list[Ring]]:
+    """The outer border of the free ground around a flight, and the borders of what lies within."""
+    from rasterio.features import shapes
+
+    pieces = components(grid.passable.reshape(grid.shape))
+    row, col = np.rint(line[0]).astype(int)
+    held = pieces == pieces[row, col]
+    ((polygon, _),) = shapes(held.astype(np.uint8), mask=held, connectivity=4)
+    rings = [_corners(np.asarray(ring, np.float64)) for ring in polygon["coordinates"]]
+    return rings[0], rings[1:]
+
+
+def _corners(ring: Ring) -> Ring:
+    """(m, 2) float: rows and columns where a border turns; GDAL tells columns and rows of the corners of pixels."""
+    points = ring[:-1, ::-1] - 0.5
+    before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+    return np.asarray(points[before[:, 0] * after[:, 1] != before[:, 1] * after[:, 0]])
+
+
+def _area(ring: Ring) -> float:
+    ahead = np.roll(ring, -1, axis=0)
+    return float(abs((ring[:, 0] * ahead[:, 1] - ring[:, 1] * ahead[:, 0]).sum()) / 2)
+
+
+def _apart(line: NDArray[np.float64], ring: Ring) -> float:
+    """Cells between a line and a border that it does not cross: the nearest end of one to a leg of the other."""
+    border = np.concatenate([ring, ring[:1]])
+    return min(_nearest(line, border), _nearest(border, line))
+
+
+def _nearest(points: NDArray[np.float64], line: NDArray[np.float64]) -> float:
+    """Distance of the nearest of these points to a line, leg by leg, so that memory stays small."""
+    least = float(np.hypot(*(points - line[0]).T).min())
+    for begin, end in pairwise(line):
+        leg = end - begin
+        length = float(leg @ leg)
+        along = np.clip((points - begin) @ leg / length, 0.0, 1.0) if length else np.zeros(len(points))
+        least = min(least, float(np.hypot(*(points - begin - along[:, None] * leg).T).min()))
+    return least

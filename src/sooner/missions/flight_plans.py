@@ -1,0 +1,241 @@
+"""From a plan to flights on the globe: the line that the judge times, as places that an aircraft is told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sooner.errors import DataFormatError, Fault
+from sooner.grid.paths import centres_of, line_is_clear, rows_and_cols, way
+from sooner.io.flights import FlightPlan, Waypoint
+from sooner.io.flights.flight_plan import Finish, Place
+from sooner.io.georeference import Georeference
+from sooner.missions.fences import fences
+from sooner.missions.mission_file import Mission
+from sooner.missions.over_regions import dynamics_of
+from sooner.missions.score import Score
+from sooner.missions.settings import Place as OnGlobe
+from sooner.motion.kinematics import corners
+from sooner.problem.regions import RegionMoves
+
+__all__ = ["USUAL_M", "Flights", "check_place", "flights"]
+
+USUAL_M = 60.0  # above home, where neither the drone nor the camera has an altitude
+TRUE_TO = 0.01  # share by which a metre of the projection may differ from one on the ground, untold
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Flights:
+    """A plan as aircraft fly it.
+
+    Parameters
+    ----------
+    plans : of FlightPlan       one for each searcher
+    notes : of str              what whoever flies them should know
+    """
+
+    plans: tuple[FlightPlan, ...]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Line:
+    """What a searcher flies.
+
+    Parameters
+    ----------
+    cells : (n, 2) float        rows and columns, as fractions, where the line turns or is held
+    hold_s : (n,) float         seconds to stay there
+    speed_mps : float or None
+    duration_s : float or None
+    notes : tuple of str
+    """
+
+    cells: Floats
+    hold_s: Floats
+    speed_mps: float | None
+    duration_s: float | None
+    notes: tuple[str, ...] = ()
+
+
+def check_place(mission: Mission) -> Georeference:
+    """Where the mission's cells lie on the globe.
+
+    Raises
+    ------
+    DataFormatError         if nobody says
+    """
+    area = mission.settings.area
+    key = "area.evidence" if area.poc is None else "area.poc"
+    if mission.settings.area.grid == "hex":
+        came = "'hex' came, whose cells do not lie on those of a raster"
+        raise DataFormatError(Fault(str(mission.path), "area.grid", came, "expected square cells for files that fly"))
+    if mission.ground is None:
+        expected = "expected a GeoTIFF with its place on the globe: files that fly need latitudes and longitudes"
+        raise DataFormatError(Fault(str(mission.path), key, "a raster without a georeference came", expected))
+    return mission.ground
+
+
+def flights(score: Score) -> Flights:
+    """A judged plan as flights: straight lines through the same places in the same order.
+
+    Over cells the line goes through their centres, over regions along the waypoints that are timed; where it goes on
+    straight there is no waypoint, where the plan waits the aircraft holds. A drone whose mission has an end away from
+    its start lands there; every other flies home at last, around obstacles where the straight way is not free.
+
+    Raises
+    ------
+    DataFormatError         if the mission does not say where on the globe it lies, or a speed that the plan needs
+    """
+    mission, ground = score.mission, check_place(score.mission)
+    told = [_flight(score, number, ground) for number in range(len(score.plan.actions))]
+    plans = tuple(plan for plan, _ in told)
+    return Flights(plans, (*_scale(mission, ground), *(note for _, notes in told for note in notes), *_levels(plans)))
+
+
+# ---------------------------------------------------------------- one flight
+
+
+def _flight(score: Score, number: int, ground: Georeference) -> tuple[FlightPlan, tuple[str, ...]]:
+    """The flight of one searcher, with notes that name it."""
+    mission, problem = score.mission, score.mission.problem
+    said = mission.settings.searcher[number]
+    line = _over_regions(score, number) if mission.over_regions else _over_cells(score, number)
+    finish, home_cells, way_notes = _homeward(mission, number, line)
+    cells = np.concatenate([line.cells, home_cells])
+    hold_s = np.concatenate([line.hold_s, np.zeros(len(home_cells))])
+    altitude_m, altitude_notes = _altitude(mission, number)
+    places = [(float(lat), float(lon)) for lat, lon in ground.places(cells)]
+    home = _told(said.start, places[0])
+    passed = np.concatenate([ground.cells([home]), cells])
+    fenced, fence_notes = fences(problem.grid, ground, passed, finish == "return")
+    placed = zip(places, hold_s.tolist(), strict=True)
+    plan = FlightPlan(
+        name=mission.name if len(problem.searchers) == 1 else f"{mission.name}, drone {number}",
+        searcher=number,
+        home=home,
+        waypoints=tuple(Waypoint(lat, lon, altitude_m, hold_s=hold) for (lat, lon), hold in placed),
+        finish=finish,
+        speed_mps=line.speed_mps,
+        duration_s=line.duration_s,
+        fences=fenced,
+        landings=() if finish == "return" else (_told(said.end, places[-1]),),
+        kind=said.kind,
+    )
+    notes = (*line.notes, *way_notes, *fence_notes, *altitude_notes)
+    return plan, tuple(f"drone {number}: {note}" for note in notes)
+
+
+def _told(said: object, centre: Place) -> Place:
+    """A place as the mission tells it: by coordinates, or as the centre of a cell."""
+    return (said.lat, said.lon) if isinstance(said, OnGlobe) else centre
+
+
+def _altitude(mission: Mission, number: int) -> tuple[float, tuple[str, ...]]:
+    """Metres above home: what the drone is told, else what the camera needs."""
+    said, camera = mission.settings.searcher[number].altitude_m, mission.settings.sensor.camera
+    seen = None if camera is None else camera.altitude_m
+    if said is not None and seen is not None and said != seen:
+        return said, (f"flown {said:g} m high, and what the camera sees is worked out for {seen:g} m",)
+    found = said if said is not None else seen
+    return (USUAL_M, (f"nobody says how high: flown {USUAL_M:g} m above home",)) if found is None else (found, ())
+
+
+def _levels(plans: tuple[FlightPlan, ...]) -> tuple[str, ...]:
+    heights = [plan.waypoints[0].altitude_m for plan in plans]
+    if len(set(heights)) == len(heights):
+        return ()
+    return (f"{len(plans)} drones, some at the same height: give each its own searcher.altitude_m, or fly in turn",)
+
+
+def _scale(mission: Mission, ground: Georeference) -> tuple[str, ...]:
+    """A projection whose metres are not those of the ground tells times that are not those of the flight."""
+    height, width = mission.problem.grid.shape
+    scale = ground.scale_at((height - 1) / 2, (width - 1) / 2)
+    if abs(scale - 1.0) <= TRUE_TO:
+        return ()
+    return (
+        f"a metre of {ground.crs} is {scale:.3g} m on the ground here, so times of the plan are not those of the "
+        "flight: reproject the rasters, to UTM for one",
+    )
+
+
+# ---------------------------------------------------------------- the line over cells
+
+
+def _over_cells(score: Score, number: int) -> _Line:
+    """Centres of cells, hovering as a hold."""
+    mission, actions = score.mission, score.plan.actions[number]
+    moved = np.flatnonzero(np.append(True, actions[1:] != actions[:-1]))
+    waited = np.diff(np.append(moved, len(actions))) - 1
+    if waited.any() and mission.step_s is None:
+        key, came = f"searcher[{number}].speed_mps", "nothing came, and the plan hovers"
+        raise DataFormatError(
+            Fault(str(mission.path), key, came, "expected metres a second: who hovers must know how long")
+        )
+    cells = np.column_stack(np.divmod(actions[moved], mission.problem.grid.shape[1])).astype(np.float64)
+    hold_s = waited * (mission.step_s or 0.0)
+    seconds = None if score.durations is None else score.durations[number]
+    return _straightened(_Line(cells, hold_s, mission.settings.searcher[number].speed_mps, seconds))
+
+
+# ---------------------------------------------------------------- the line over regions
+
+
+def _over_regions(score: Score, number: int) -> _Line:
+    """The waypoints of searches, ways and legs; a search without a move is a hold."""
+    problem, actions = score.mission.problem, score.plan.actions[number]
+    moves = problem.searchers[number].moves
+    assert isinstance(moves, RegionMoves)
+    points, held = [np.zeros((0, 2))], []
+    for action, _, turned in moves.flown(actions):
+        path = moves.graph.paths[action]
+        still = len(path) == 1 or not np.ptp(path, axis=0).any()
+        points.append(path[:1] if still else path[::-1] if turned else path)
+        held += [*[0.0] * (len(points[-1]) - 1), float(moves.graph.seconds[action]) if still else 0.0]
+    return _timed(score.mission, number, np.concatenate(points), np.array(held), moves.seconds(actions))
+
+
+def _timed(mission: Mission, number: int, points: Floats, held: Floats, seconds: float) -> _Line:
+    """The same line without what it says twice, and how long the aircraft takes that stops wherever it turns."""
+    begins = np.flatnonzero(np.append(True, (np.diff(points, axis=0) != 0).any(axis=1)))
+    cells = rows_and_cols(mission.problem.grid, points[begins])
+    drone = dynamics_of(mission.settings, number)
+    line = _straightened(_Line(cells, np.add.reduceat(held, begins), drone.v_max, None))
+    lengths = np.hypot(*np.diff(line.cells, axis=0).T) * mission.problem.grid.cell_m
+    stopping = float(drone.leg_seconds(lengths).sum() + line.hold_s.sum())
+    late = stopping - seconds
+    notes = (f"the plan flies arcs; an aircraft that stops in corners takes {late:.0f} s more",) if late > 1.0 else ()
+    return replace(line, duration_s=stopping, notes=notes)
+
+
+# ---------------------------------------------------------------- both
+
+
+def _straightened(line: _Line) -> _Line:
+    """The same line by its ends, its turns and the places where it is held."""
+    kept = np.union1d(corners(line.cells), np.flatnonzero(line.hold_s))
+    return replace(line, cells=line.cells[kept], hold_s=line.hold_s[kept])
+
+
+def _homeward(mission: Mission, number: int, line: _Line) -> tuple[Finish, Floats, tuple[str, ...]]:
+    """How a flight ends, the places on the way home that go round obstacles, and what the plan does not count."""
+    none, searcher = np.zeros((0, 2)), mission.problem.searchers[number]
+    if searcher.end is not None and searcher.end != searcher.start:
+        return "loiter" if mission.settings.searcher[number].kind == "fixed_wing" else "land", none, ()
+    if searcher.end is not None:
+        return "return", none, ()
+    grid = mission.problem.grid
+    last, first = (int(row) * grid.shape[1] + int(col) for row, col in np.rint(line.cells[[-1, 0]]).astype(int))
+    if last == first:
+        return "return", none, ()
+    ends = centres_of(grid, [last, first])
+    home = ends if line_is_clear(grid, *ends) else way(grid, last, first, taut=True)
+    metres = float(np.hypot(*np.diff(home, axis=0).T).sum())
+    seconds = "" if not line.speed_mps else f", about {metres / line.speed_mps:.0f} s,"
+    note = f"the mission has no end, so the plan does not count the {metres:.0f} m{seconds} home"
+    return "return", rows_and_cols(grid, home[1:-1]) if len(home) > 2 else none, (note,)

@@ -1,0 +1,91 @@
+"""A fence never stands where the flight goes, and stands only around what is known to be forbidden."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sooner.grid import Grid
+from sooner.io.georeference import Georeference
+from sooner.missions.fences import CLEAR_M, MOST_CORNERS, fences
+
+GROUND = Georeference("EPSG:32632", (720_000.0, 5_150_000.0), 24.0, 24.0)
+
+
+def fenced(stones, line, closed=False, cell_m=24.0):
+    ground = Georeference(GROUND.crs, GROUND.corner, cell_m, cell_m)
+    grid = Grid(stones.shape, "square4", cell_m, stones.astype(bool))
+    found, notes = fences(grid, ground, np.asarray(line, np.float64), closed)
+    return [(ground.cells(fence.corners), fence.inclusion) for fence in found], notes
+
+
+def inside(place, ring):
+    """Whether a ray to the east crosses a border an odd number of times."""
+    crossed = False
+    for (row, col), (below, right) in zip(ring, np.roll(ring, -1, axis=0), strict=True):
+        if (row > place[0]) != (below > place[0]) and place[1] < col + (place[0] - row) / (below - row) * (right - col):
+            crossed = not crossed
+    return crossed
+
+
+def test_ground_without_obstacles_has_no_fence():
+    grid = Grid((5, 5), "square4", 24.0)
+    assert fences(grid, GROUND, np.array([[1.0, 1.0], [1.0, 3.0]]), False) == ((), ())
+
+
+def test_obstacles_are_kept_out_and_free_ground_is_kept_in():
+    stones = np.zeros((12, 16))
+    stones[5:7, 7:9] = 1
+    stones[:, 15] = 1
+    (outline, stone), notes = fenced(stones, [[2, 2], [2, 12]])
+    assert (outline[1], stone[1]) == (True, False)
+    np.testing.assert_allclose(
+        sorted(map(tuple, outline[0].round(3))), [(-0.5, -0.5), (-0.5, 14.5), (11.5, -0.5), (11.5, 14.5)]
+    )
+    np.testing.assert_allclose(sorted(map(tuple, stone[0].round(3))), [(4.5, 6.5), (4.5, 8.5), (6.5, 6.5), (6.5, 8.5)])
+    assert notes == ()
+
+
+@settings(max_examples=60)
+@given(st.integers(0, 2**25 - 1), st.data())
+def test_what_a_fence_allows_is_free_and_holds_the_flight(bits, data):
+    stones = np.array([bits >> k & 1 for k in range(25)]).reshape(5, 5)
+    stones[2, 2] = 0
+    stones = np.kron(stones, np.ones((2, 2)))  # so that the flight keeps its distance
+    line = np.array([[4.5, 4.5], [4.5, 4.6]])
+    found, _ = fenced(stones, line, closed=data.draw(st.booleans()))
+    for place in line:
+        assert all(inside(place, ring) == inclusion for ring, inclusion in found)
+    if not found or not found[0][1]:
+        return
+    for row, col in np.ndindex(*stones.shape):
+        allowed = all(inside((row + 0.01, col + 0.02), ring) == inclusion for ring, inclusion in found)
+        assert not (allowed and stones[row, col])
+
+
+@pytest.mark.parametrize(("row", "count"), [(2.0, 2), (4.4, 1)])
+def test_a_fence_too_near_to_the_flight_is_left_out(row, count):
+    stones = np.zeros((12, 16))
+    stones[5:7, 7:9] = 1
+    found, notes = fenced(stones, [[row, 2], [row, 12]])
+    assert len(found) == count
+    assert [f"within {CLEAR_M:g} m" in note for note in notes] == [True] * (2 - count)
+
+
+def test_the_way_straight_home_counts():
+    stones = np.zeros((12, 16))
+    stones[5:7, 7:9] = 1
+    near = [[6.6, 2.0], [2.0, 2.0], [2.0, 12.0], [6.6, 12.0]]
+    assert len(fenced(stones, near)[0]) == 2
+    assert len(fenced(stones, near, closed=True)[0]) == 1
+
+
+def test_of_many_obstacles_the_largest_are_fenced():
+    stones = np.zeros((60, 60))
+    stones[10:50:4, 10:50:4] = 1
+    stones[30:34, 52:56] = 1
+    found, notes = fenced(stones, [[2, 2], [2, 20]])
+    assert sum(len(ring) for ring, _ in found) <= MOST_CORNERS
+    assert len(found[1][0]) == 4
+    assert np.ptp(found[1][0], axis=0).tolist() == pytest.approx([4, 4], abs=1e-3)
+    assert any(f"more than {MOST_CORNERS} corners" in note for note in notes)
