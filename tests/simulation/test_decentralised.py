@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sooner.errors import InvalidProblemError
+from sooner.grid import Grid
 from sooner.simulation import (
     Agent,
     Estimator,
@@ -28,6 +29,7 @@ from sooner.simulation.network import Network
 from sooner.simulation.sensing import LookLog
 from sooner.simulation.strategies import RandomWaypoints, make_strategy
 from sooner.simulation.world import Purpose, generator
+from sooner.streets import OccupancyGraph
 from tests.simulation.streets import blocks
 
 GRAPH = blocks()
@@ -345,6 +347,10 @@ def test_impossible_links_are_refused(bad):
     [
         ({"agents": (Agent(),)}, "between 1 agents"),
         ({"agents": (Agent(),) * 101}, "between 101 agents"),
+        (
+            {"world": World(OccupancyGraph.of(Grid((700, 700), "square8", 5.0), [0], np.empty((0, 2), int)))},
+            "over 490,000 cells",
+        ),
         ({"seconds": 100_000, "agents": (Agent(radius_m=30.0),) * 10}, "a shorter mission"),
     ],
 )

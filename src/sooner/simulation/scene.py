@@ -22,6 +22,7 @@ __all__ = ["Scene"]
 
 MOST_SECONDS = 100_000
 MOST_LINKED = 100  # agents: each keeps what it knows of what each other one knows of each
+MOST_BELIEVED = 1_500_000  # cells times agents: 2 GB, with the beliefs that agents keep to go back to
 MOST_LOOKS = 30_000_000  # of a mission with links: 1 GB
 
 
@@ -66,7 +67,7 @@ class Scene:
         if self.starts_m is not None:
             object.__setattr__(self, "starts_m", _checked_starts(self.grid, self.starts_m, len(self.agents)))
         if self.links is not None:
-            _check_linked(len(self.agents), self.seconds * self.sensing.most_looks)
+            _check_linked(len(self.agents), self.grid.n_cells, self.seconds * self.sensing.most_looks)
 
     @property
     def grid(self) -> Grid:
@@ -96,10 +97,15 @@ class Scene:
         return _checked_starts(self.grid, strategy.starts(self.grid, self.agents, drawn), len(self.agents))
 
 
-def _check_linked(n_agents: int, most_looks: int) -> None:
-    """Refuse what would not fit in memory: agents keep looks that others may not have, to the end if need be."""
+def _check_linked(n_agents: int, n_cells: int, most_looks: int) -> None:
+    """Refuse what would not fit in memory: each agent's beliefs, and looks that some do not have, kept to the end."""
     if not 2 <= n_agents <= MOST_LINKED:
         raise InvalidProblemError(f"links between {n_agents} agents came; expected 2 to {MOST_LINKED} agents")
+    if n_agents * n_cells > MOST_BELIEVED:
+        raise InvalidProblemError(
+            f"links between {n_agents} agents over {n_cells:,} cells came; expected at most {MOST_BELIEVED:,} cells "
+            "times agents, or no links"
+        )
     if most_looks > MOST_LOOKS:
         raise InvalidProblemError(
             f"links came in a mission of up to {most_looks:.2g} looks; expected at most {MOST_LOOKS:.2g}: a shorter "
