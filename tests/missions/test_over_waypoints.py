@@ -88,6 +88,26 @@ def test_links_that_lose_nothing_and_are_prompt_change_nothing(read):
         assert list(fly_streets(apart, strategy, range(2))) == list(fly_streets(together, strategy, range(2)))
 
 
+def test_a_glimpse_is_of_every_cell_or_of_each(read):
+    assert read(CITY).scene.glimpse is None
+    assert (read(CITY.replace("radius_m", "glimpse = 0.25\nradius_m")).scene.glimpse == 0.25).all()
+    canopy = np.ones((20, 20))
+    canopy[3, 7] = 0.2
+    rows = "\n".join(",".join(map(str, row)) for row in canopy)
+    scene = read(CITY.replace("radius_m", 'glimpse = "canopy.csv"\nradius_m'), canopy_csv=rows).scene
+    assert scene.glimpse.shape == (400,)
+    assert np.flatnonzero(scene.glimpse < 1).tolist() == [3 * 20 + 7]
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"), [("1,1\n1,1", "expected 20 x 20 as in streets.json"), ("0.5,2", "1 x 2 cells came")]
+)
+def test_a_glimpse_of_other_ground_is_refused(read, rows, told):
+    with pytest.raises(DataFormatError, match=told) as refused:
+        read(CITY.replace("radius_m", 'glimpse = "canopy.csv"\nradius_m'), canopy_csv=rows)
+    assert [fault.key for fault in refused.value.faults] == ["sensor.glimpse"]
+
+
 def test_without_a_target_nobody_is_there(read):
     mission = read(CITY.replace("[target]\ncount = 2\n", ""))
     trials = StreetTrials(mission, "random", tuple(fly_streets(mission, strategy_named("random")[1], range(3))))
@@ -117,7 +137,10 @@ SPOILED = {
     "a window of a graph": ("[target]", "window = { rows = 3 }\n[target]", "area.window", "has its own"),
     "an unknown part of a window": ("[target]", "window = { row = 3 }\n[target]", "area.window.row", "one of rows"),
     "another cell": ("[target]", "cell_m = 4.0\n[target]", "area.cell_m", "expected 5 m"),
-    "a glimpse": ("radius_m", "glimpse = 0.5\nradius_m", "sensor.glimpse", "search streets"),
+    "a difficulty": ("radius_m", 'difficulty = "d.csv"\nradius_m', "sensor.difficulty", "search streets"),
+    "a glimpse of more than all": ("radius_m", "glimpse = 1.5\nradius_m", "sensor.glimpse", "the name of a raster"),
+    "a glimpse that is no number": ("radius_m", "glimpse = nan\nradius_m", "sensor.glimpse", "a probability"),
+    "a glimpse that is not there": ("radius_m", 'glimpse = "g.csv"\nradius_m', "sensor.glimpse", "g.csv"),
     "no radius": ("radius_m = 12.5", "", "sensor.radius_m", "how far a drone sees"),
     "a sensor that cannot be": ("radius_m", "map_sensitivity = 31.0\nradius_m", "sensor.map_sensitivity", "at most 30"),
     "one level": ("radius_m", "levels = 1\nradius_m", "sensor.levels", "at least 2"),

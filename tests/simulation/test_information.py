@@ -20,7 +20,7 @@ from sooner.simulation.strategies._task_kernels import (
     lloyd,
     most_valuable,
     nearest_sites,
-    new_in_view,
+    taught_in_view,
 )
 from sooner.simulation.strategies.information import ROLLOUT_STEP_S, SWEPT_INFORMATION, Information
 from sooner.simulation.strategies.strategy import Situation
@@ -102,72 +102,79 @@ def test_assignments_are_the_best_of_all_permutations() -> None:
         assert tuple(chosen) == best
 
 
-@given(seeds, st.floats(0.5, 20.0))
-def test_cells_in_view_are_those_whose_centres_are_within_the_radius(seed: int, radius_m: float) -> None:
+@given(seeds, st.floats(0.5, 20.0), st.booleans())
+def test_looks_teach_of_cells_whose_centres_are_within_the_radius(seed: int, radius_m: float, sharp: bool) -> None:
     rng = np.random.default_rng(seed)
-    surface, (east, north) = rng.random(GRID.n_cells), spread(rng, 1)[0]
+    left, (east, north) = rng.random(GRID.n_cells), spread(rng, 1)[0]
+    share = np.ones(GRID.n_cells) if sharp else rng.random(GRID.n_cells)
     seen = np.hypot(*(GRID.centres_m - [east, north]).T) <= radius_m
     place = east / 5.0, north / 5.0, radius_m / 5.0
-    assert highest_in_view(*place, surface, HEIGHT, WIDTH) == max(surface[seen], default=0.0)
-    marks = np.full(GRID.n_cells, -1)
-    assert new_in_view(*place, surface, HEIGHT, WIDTH, 3, marks) == pytest.approx(surface[seen].sum())
-    assert new_in_view(*place, surface, HEIGHT, WIDTH, 3, marks) == 0.0
+    assert highest_in_view(*place, left, share, HEIGHT, WIDTH) == max((left * share)[seen], default=0.0)
+    marks, now = np.full(GRID.n_cells, -1), np.empty(GRID.n_cells)
+    for look in range(3):
+        taught = taught_in_view(*place, left, share, HEIGHT, WIDTH, 3, marks, now)
+        assert taught == pytest.approx((left * share * (1 - share) ** look)[seen].sum(), abs=1e-12)
+        assert not sharp or look == 0 or taught == 0.0
     assert ((marks == 3) == seen).all()
 
 
-def in_view(places: np.ndarray, radius_m: float) -> np.ndarray:
-    return (np.hypot(*(GRID.centres_m[:, None] - places).T) <= radius_m).any(axis=0)
+def looks_in_view(places: np.ndarray, radius_m: float) -> np.ndarray:
+    return (np.hypot(*(GRID.centres_m[:, None] - places).T) <= radius_m).sum(axis=0)
 
 
 def plain_assignment(
     team: list[Agent],
     places: np.ndarray,
     tasks: np.ndarray,
-    surface: np.ndarray,
+    left: np.ndarray,
+    shares: np.ndarray,
     own: np.ndarray,
     utility: str,
 ) -> np.ndarray:
-    """Section III.E read aloud."""
-    surface, free = surface.copy(), set(range(len(tasks)))
+    """Section III.E read aloud; agent i's look takes `shares[i]` of what is left in each cell."""
+    left, free = left.copy(), set(range(len(tasks)))
     states, routes = [(*place, 0.0, 0.0) for place in places], np.empty((len(team), 3, 2))
     trace = np.empty((512, 2))
 
     def flown(agent: Agent, state: tuple[float, ...], task: int) -> tuple[float, np.ndarray, tuple[float, ...]]:
         limits = agent.v_max, agent.a_max, 0.1 * agent.radius_m, 512.0, ROLLOUT_STEP_S, 1.0
         seconds, n, *after = fly_to(*state, *tasks[task], *limits, trace)
-        return seconds, in_view(trace[:n], agent.radius_m), tuple(after)
+        return seconds, looks_in_view(trace[:n], agent.radius_m), tuple(after)
 
     for step in range(3):
         R = np.zeros((len(team), len(tasks)))
         for i, agent in enumerate(team):
             candidates = free - {own[i]} if step == 0 else free
             for j in sorted(candidates, key=lambda j: np.hypot(*(tasks[j] - states[i][:2])))[:6]:
-                seconds, seen, _ = flown(agent, states[i], j)
-                bits = surface[seen].max(initial=0.0) if utility == "maximum" else surface[seen].sum()
+                seconds, looks, _ = flown(agent, states[i], j)
+                swept = (left * (1.0 - (1.0 - shares[i]) ** looks)).sum()
+                bits = (left * shares[i])[looks > 0].max(initial=0.0) if utility == "maximum" else swept
                 R[i, j] = (bits + 1e-9) / max(seconds, 1.0)
         columns = sorted(free)
         _, chosen = linear_sum_assignment(R[:, columns], maximize=True)
         for i, j in enumerate(np.array(columns)[chosen]):
             free.remove(j)
-            _, seen, states[i] = flown(team[i], states[i], j)
-            surface[seen] = 0.0
+            _, looks, states[i] = flown(team[i], states[i], j)
+            left *= (1.0 - shares[i]) ** looks
             routes[i, step] = tasks[j]
     return routes
 
 
 @pytest.mark.parametrize("utility", ["maximum", "swept"])
-@pytest.mark.parametrize("seed", range(5))
-def test_waypoints_are_those_of_the_paper_read_aloud(seed: int, utility: str) -> None:
+@pytest.mark.parametrize("alike", [True, False])
+@pytest.mark.parametrize("seed", range(4))
+def test_waypoints_are_those_of_the_paper_read_aloud(seed: int, alike: bool, utility: str) -> None:
     rng = np.random.default_rng(seed)
     team = [Agent(), Agent(v_max=5.0, a_max=3.0), Agent(radius_m=8.0)]
-    tasks, places, surface = spread(rng, 30), spread(rng, 3), rng.random(GRID.n_cells) ** 3
+    tasks, places, left = spread(rng, 30), spread(rng, 3), rng.random(GRID.n_cells) ** 3
+    shares = np.ones((3, GRID.n_cells)) if alike else rng.random((3, GRID.n_cells))
     own = np.hypot(*(places[:, None] - tasks).T).argmin(axis=0)
-    expected = plain_assignment(team, places, tasks, surface, own, utility)
+    expected = plain_assignment(team, places, tasks, left, shares, own, utility)
     routes, columns = np.empty((3, 3, 2)), [[getattr(a, name) for a in team] for name in ("v_max", "a_max", "radius_m")]
     v_max, a_max, radius = np.array(columns)
     assign(
-        places, np.zeros((3, 2)), v_max, a_max, radius, 0.1 * radius, tasks, own, surface[None].copy(),
-        np.zeros(3, np.int64), HEIGHT, WIDTH, 5.0, 6, utility == "swept", ROLLOUT_STEP_S, routes,
+        places, np.zeros((3, 2)), v_max, a_max, radius, 0.1 * radius, tasks, own, left.copy(), shares,
+        np.arange(3), HEIGHT, WIDTH, 5.0, 6, utility == "swept", ROLLOUT_STEP_S, routes,
     )  # fmt: skip
     assert routes == pytest.approx(expected)
 

@@ -13,7 +13,7 @@ from sooner.io import Raster, read_raster
 from sooner.missions.faults import Faults
 from sooner.missions.settings import Settings
 
-__all__ = ["Layers"]
+__all__ = ["Layers", "read_glimpse"]
 
 Floats = NDArray[np.float64]
 
@@ -62,6 +62,16 @@ class Layers:
             _cell_m(faults, settings, first),
             first,
         )
+
+
+def read_glimpse(faults: Faults, name: str, shape: tuple[int, int], map_name: str) -> Floats | None:
+    """(H, W) float: the raster that `sensor.glimpse` names, over a map that is no raster; None where it is wrong."""
+    raster = _raster(faults, "sensor.glimpse", name)
+    if raster is None or raster.values.shape == shape:
+        return _numbers(faults, "sensor.glimpse", raster, 0.0, 1.0, missing=None)
+    came = "{} x {} cells came in {}".format(*raster.values.shape, name)
+    faults.add("sensor.glimpse", came, "expected {} x {} as in {}".format(*shape, map_name))
+    return None
 
 
 def _raster(faults: Faults, key: str, name: str | None, like: tuple[Any, Raster] | None = None) -> Raster | None:

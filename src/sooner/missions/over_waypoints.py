@@ -13,6 +13,7 @@ from sooner.errors import DataFormatError, InvalidProblemError
 from sooner.io import StreetMap, read_openstreetmap, read_street_map
 from sooner.io.reading import read_toml
 from sooner.missions.faults import Faults
+from sooner.missions.layers import read_glimpse
 from sooner.missions.settings import Hearing, Place, Searching, Settings, TargetSettings, misplaced
 from sooner.sensors import GradedSensor
 from sooner.simulation import Agent, Estimator, Links, Scene, World
@@ -76,6 +77,7 @@ def read_street_mission(path: Path) -> StreetMission:
     agents = [_agent(faults, settings, number) for number in range(len(settings.searcher))]
     seconds, replan_s = _seconds(faults, settings)
     starts = _starts(faults, settings, streets)
+    glimpse = _glimpse(faults, settings, streets)
     estimator, walk = _estimator(faults, settings), _walk(settings.target)
     world = None if streets is None else _world(faults, settings, streets, walk)
     faults.refuse()
@@ -84,7 +86,16 @@ def read_street_mission(path: Path) -> StreetMission:
     assert estimator is not None
     team = tuple(agent for agent in agents if agent is not None)
     try:
-        scene = Scene(world, team, estimator, seconds, replan_s, starts_m=starts, links=_links(settings.links))
+        scene = Scene(
+            world,
+            team,
+            estimator,
+            seconds,
+            replan_s,
+            starts_m=starts,
+            links=_links(settings.links),
+            glimpse=glimpse,
+        )
     except InvalidProblemError as error:  # all that can be foreseen has been reported by key
         faults.add("links" if settings.links is not None else "", *_parted(error))
         faults.refuse()
@@ -166,6 +177,21 @@ def _check_searcher(faults: Faults, key: str, said: Searching) -> None:
     for name, what in (("speed_mps", "metres a second"), ("accel_mps2", "metres a second squared")):
         if getattr(said, name) is None and not faults.among(f"{key}.{name}"):
             faults.add(f"{key}.{name}", "nothing came", f"expected {what}, the most")
+
+
+def _glimpse(faults: Faults, settings: Settings, streets: StreetMap | None) -> NDArray[np.float64] | None:
+    """(H, W) float; None where every look sees, or where it is wrong."""
+    said = settings.sensor.glimpse
+    if isinstance(said, float) and not 0.0 <= said <= 1.0:
+        expected = "expected a probability in [0, 1], or the name of a raster"
+        faults.add("sensor.glimpse", f"{said} came", expected)
+        return None
+    if said is None or streets is None:
+        return None
+    shape = streets.graph.grid.shape
+    if isinstance(said, float):
+        return np.full(shape, said)
+    return read_glimpse(faults, said, shape, settings.area.streets or "")
 
 
 def _starts(faults: Faults, settings: Settings, streets: StreetMap | None) -> NDArray[np.float64] | None:

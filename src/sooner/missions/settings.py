@@ -115,7 +115,9 @@ class Sensor(_Table):
         default=None, description="raster of levels d, at least 0; glimpse = 1 - d / (d_max + 1)"
     )
     glimpse: float | str | None = Field(
-        default=None, description="P(detect in one look, if there): a number or a raster in [0, 1]"
+        default=None,
+        description="P(detect in one look, if there): a number or a raster in [0, 1]; over waypoints P(a look sees the "
+        "cell, its street and its target): else, under canopy say, both sensors read noise; 1 if left out",
     )
     correlation: float = Field(
         default=0.0, ge=0, le=1, description="of two looks at one place; 0: independent, 1: a second look adds nothing"
@@ -372,7 +374,7 @@ _STREET_KEYS: dict[str, set[str]] = {
 }
 _SHARED_KEYS: dict[str, set[str]] = {
     "area": {"cell_m"},
-    "sensor": {"radius_m"},
+    "sensor": {"glimpse", "radius_m"},
     "searcher": {"start", "moves", "kind", "speed_mps", "accel_mps2"},
     "budget": {"seconds"},
     "objective": set(),

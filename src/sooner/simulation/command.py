@@ -158,4 +158,5 @@ class CommandPost:
             sought=self.belief.sought,
             found=self.belief.has_called,
             graph=scene.world.graph,
+            glimpse=scene.glimpse,
         )

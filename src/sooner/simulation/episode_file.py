@@ -31,6 +31,7 @@ _ALWAYS = (
     "about", "cells", "edges", "node_places_m", "targets", "places_m", "node_seconds", "sums", "calls", "waypoints",
     "route_lengths",
 )  # fmt: skip
+_GLIMPSE = "glimpse"  # where looks are in vain in places
 _LOOKS = ("firsts", "cells", "agents", "map_levels", "target_levels")
 _BELIEFS = ("seconds", "void", "occupied", "explored")
 _BY_AGENT = "agents_node_seconds"
@@ -61,6 +62,8 @@ def save_episode(episode: Episode, path: Path) -> None:
         "waypoints": np.concatenate([np.empty((0, 2)), *routes]),
         "route_lengths": np.array([len(route) for route in routes], np.int64),
     }
+    if episode.scene.glimpse is not None:
+        arrays[_GLIMPSE] = episode.scene.glimpse
     if episode.looks is not None:
         arrays |= {f"looks_{name}": getattr(episode.looks, name) for name in _LOOKS}
     if episode.beliefs is not None:
@@ -106,7 +109,7 @@ def replayed(episode: Episode) -> Episode:
 def _read(path: Path) -> Arrays:
     """The arrays of an .npz, none of them of objects, and none larger than it says."""
     kept = {*(f"looks_{name}" for name in _LOOKS), *(f"beliefs_{name}" for name in _BELIEFS)}
-    names = {*_ALWAYS, _BY_AGENT, _FOLLOWED, *kept}
+    names = {*_ALWAYS, _BY_AGENT, _FOLLOWED, _GLIMPSE, *kept}
     arrays: Arrays = {}
     try:
         with zipfile.ZipFile(path) as archive:
@@ -152,7 +155,7 @@ def _episode(arrays: Arrays) -> Episode:
     about = json.loads(bytes(arrays["about"].astype(np.uint8)).decode())
     if not isinstance(about, dict) or about.get("format") != FORMAT:
         raise InvalidProblemError("the format of another version, or none, came")
-    scene = scene_of(about, arrays["cells"], arrays["edges"], arrays["node_places_m"])
+    scene = scene_of(about, arrays["cells"], arrays["edges"], arrays["node_places_m"], arrays.get(_GLIMPSE))
     _check(arrays, scene)
     n_agents = len(scene.agents)
     bounds = np.concatenate([[0], np.cumsum(arrays["route_lengths"])])

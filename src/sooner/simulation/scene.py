@@ -40,11 +40,13 @@ class Scene:
     target_offset : (float, float)     see `Sensing`; `HALF_CELL` is the named one
     starts_m : (A, 2) float or None    where agents start, instead of where the strategy has them start
     links : Links or None              given, each agent believes and plans for itself, from what it hears over them
+    glimpse : (M,) float or None       P(a look sees the cell), see `Sensing`; the team knows it. None: every look does
 
     Raises
     ------
     InvalidProblemError                no seconds, a replan later than the end, agents that start outside the ground,
-                                       links of one agent or of very many
+                                       links of one agent or of very many, a glimpse that is not one probability for
+                                       each cell
     """
 
     world: World
@@ -55,6 +57,7 @@ class Scene:
     target_offset: tuple[float, float] = (0.0, 0.0)
     starts_m: NDArray[np.float64] | None = None
     links: Links | None = None
+    glimpse: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         if not 1 <= self.seconds <= MOST_SECONDS:
@@ -63,7 +66,8 @@ class Scene:
             raise InvalidProblemError(
                 f"a replan every {self.replan_s} s came; expected 1 s to the mission's {self.seconds} s"
             )
-        _ = self.team, self.sensing, area(self.grid)
+        object.__setattr__(self, "glimpse", self.sensing.glimpse)
+        _ = self.team, area(self.grid)
         if self.starts_m is not None:
             object.__setattr__(self, "starts_m", _checked_starts(self.grid, self.starts_m, len(self.agents)))
         if self.links is not None:
@@ -82,7 +86,7 @@ class Scene:
     @cached_property
     def sensing(self) -> Sensing:
         """What agents read."""
-        return Sensing(self.grid, self.agents, self.target_offset)
+        return Sensing(self.grid, self.agents, self.target_offset, self.glimpse)
 
     @cached_property
     def target_cells(self) -> NDArray[np.int64]:

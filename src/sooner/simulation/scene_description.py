@@ -25,7 +25,7 @@ __all__ = ["described", "scene_of", "strategy_of"]
 
 
 def described(scene: Scene, strategy: Strategy | None) -> dict[str, Any]:
-    """Everything of a scene but its graph, and the strategy.
+    """Everything of a scene but its graph and its glimpse, and the strategy.
 
     Raises
     ------
@@ -53,7 +53,11 @@ def described(scene: Scene, strategy: Strategy | None) -> dict[str, Any]:
 
 
 def scene_of(
-    said: Mapping[str, Any], cells: NDArray[np.int64], edges: NDArray[np.int64], places_m: NDArray[np.float64]
+    said: Mapping[str, Any],
+    cells: NDArray[np.int64],
+    edges: NDArray[np.int64],
+    places_m: NDArray[np.float64],
+    glimpse: NDArray[np.float64] | None = None,
 ) -> Scene:
     """The scene that was described.
 
@@ -81,6 +85,7 @@ def scene_of(
             (float(east), float(north)),
             None if starts is None else np.array(starts, float),
             None if links is None else Links.of(_known(Links, links)),
+            glimpse,
         )
     except InvalidProblemError:
         raise

@@ -16,6 +16,8 @@ from sooner.simulation.agents import Agent, Team
 __all__ = ["HALF_CELL", "LookLog", "Sensing"]
 
 HALF_CELL = (0.5, 0.5)  # cells east and north: the offset that may stand behind the published figures
+MOST_RATIO = 1e100  # that one sensor may tell in one look: the product of two such is a number still
+_EVERYWHERE = np.empty(0)  # the glimpse of open ground, for the kernel
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,19 +31,36 @@ class Sensing:
     target_offset : (float, float)        cells east and north by which targets are put wrong when they are sorted into
                                           cells for the target sensor. `HALF_CELL` is a hypothesis for the published
                                           figures of [Wolek2020], where our model finds more than they do; not proven
+    glimpse : (M,) or (H, W) float, or None   P(a look sees the cell): with that probability both sensors read what
+                                          they would in the open, and else both read noise. Left out: all looks see
 
     Raises
     ------
-    InvalidProblemError                   if the offset is more than a cell, or not a number
+    InvalidProblemError                   if the offset is more than a cell, or not a number; if the glimpse is not one
+                                          probability for each cell
+
+    Notes
+    -----
+    Where there is canopy, one draw for each look settles whether it finds a gap. Draws of different seconds, agents and
+    cells are independent, so that patience helps. What a belief is told of a look with share g,
+
+    P(l, f | C) / P(l, f | V) = 1 - g + g p(l | C) p(f | C) / (p(l | V) p(f | V)),  C in {U, O}
+
+    is the ratio of the readings' joint likelihoods: G and Z through one gap are not independent given the state. The
+    log holds U : V as the map's ratio and O : U as the target's, so that eq. (7) to (9) of [Wolek2020] and a tracker of
+    targets on nodes take in both as they are. Ratios of the open are kept within 1e-100 and 1e100: all stay finite.
     """
 
     grid: Grid
     agents: tuple[Agent, ...]
     target_offset: tuple[float, float] = (0.0, 0.0)
+    glimpse: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         if not all(np.isfinite(part) and abs(part) <= 1.0 for part in self.target_offset):
             raise InvalidProblemError(f"a target offset of {self.target_offset} came; expected at most a cell each way")
+        if self.glimpse is not None:
+            object.__setattr__(self, "glimpse", _checked_glimpse(self.glimpse, self.grid))
 
     @cached_property
     def shape(self) -> NDArray[np.int64]:
@@ -72,7 +91,7 @@ class Sensing:
         for agent, searcher in enumerate(self.agents):
             for row, sensor in enumerate((searcher.map_sensor, searcher.target_sensor)):
                 out[agent, row, : sensor.levels] = sensor.likelihood_ratios
-        return out
+        return np.clip(out, 1.0 / MOST_RATIO, MOST_RATIO)
 
     @property
     def _most_levels(self) -> int:
@@ -118,9 +137,9 @@ class Sensing:
 
         log.begin(second, self.most_looks)
         log.end = sense(
-            places_m, self.radius_m, self.shape, self.grid.cell_m, nodes, targets, seed, second, self.cumulative,
-            self.ratios, log.start, log.cells, log.agents, log.map_levels, log.target_levels,
-            log.map_ratios, log.target_ratios,
+            places_m, self.radius_m, self.shape, self.grid.cell_m, nodes, targets,
+            _EVERYWHERE if self.glimpse is None else self.glimpse, seed, second, self.cumulative, self.ratios,
+            log.start, log.cells, log.agents, log.map_levels, log.target_levels, log.map_ratios, log.target_ratios,
         )  # fmt: skip
 
 
@@ -128,7 +147,8 @@ class LookLog:
     """Looks of one search, second by second; the newest second is `start` to `end`.
 
     cells (L,) int32, agents (L,) int16, map_levels and target_levels (L,) int16; map_ratios and target_ratios (L,)
-    float: the likelihood ratios P(level | signal) / P(level | noise) that beliefs take in.
+    float: the likelihood ratios that beliefs take in, P(levels | node) / P(levels | void) and P(levels | target) /
+    P(levels | node without one); on open ground those of each sensor's own level.
 
     Parameters
     ----------
@@ -170,6 +190,16 @@ class LookLog:
                 wider = np.empty(room, column.dtype)
                 wider[: self.end] = column[: self.end]
                 setattr(self, name, wider)
+
+
+def _checked_glimpse(glimpse: NDArray[np.float64], grid: Grid) -> NDArray[np.float64]:
+    shares = np.array(glimpse, float)
+    if shares.shape not in ((grid.n_cells,), grid.shape):
+        raise InvalidProblemError(f"a glimpse of shape {shares.shape} came; expected {grid.shape}, one for each cell")
+    if not ((shares >= 0.0) & (shares <= 1.0)).all():
+        wrong = shares.ravel()[~((shares >= 0.0) & (shares <= 1.0)).ravel()][0]
+        raise InvalidProblemError(f"a glimpse of {wrong} came; expected probabilities in [0, 1]")
+    return shares.ravel()
 
 
 def _cumulative(sensor: GradedSensor, mean: float) -> NDArray[np.float64]:

@@ -124,32 +124,41 @@ def most_valuable(utilities, chosen):
 
 
 @njit(cache=True, nogil=True)
-def highest_in_view(east, north, radius, surface, height, width):
-    """The largest value of a cell whose centre is within the radius of a place, all in cells; 0 if there is none."""
+def highest_in_view(east, north, radius, left, share, height, width):
+    """The most that a look teaches of one cell whose centre is within the radius of a place; 0 if there is none.
+
+    east, north, radius : in cells; left : (M,) bits to be learnt; share : (M,) what one look takes of them
+    """
     highest = 0.0
     square = radius * radius * (1.0 + 1e-12)
     for up in range(max(math.ceil(north - radius), 0), min(math.floor(north + radius), height - 1) + 1):
-        left = square - (up - north) * (up - north)
-        half = math.sqrt(left) if left > 0.0 else 0.0
+        rest = square - (up - north) * (up - north)
+        half = math.sqrt(rest) if rest > 0.0 else 0.0
         row = (height - 1 - up) * width
         for right in range(max(math.ceil(east - half), 0), min(math.floor(east + half), width - 1) + 1):
-            highest = max(highest, surface[row + right])
+            highest = max(highest, left[row + right] * share[row + right])
     return highest
 
 
 @njit(cache=True, nogil=True)
-def new_in_view(east, north, radius, surface, height, width, mark, marks):
-    """The sum over cells in view, as in `highest_in_view`, that do not bear this mark yet; they do afterwards."""
+def taught_in_view(east, north, radius, left, share, height, width, mark, marks, now):
+    """What a look teaches of all cells in view, as in `highest_in_view`, after those that bear the same mark.
+
+    marks : (M,) int64 and now : (M,) float, what is left of cells that bear the mark; both written
+    """
     total = 0.0
     square = radius * radius * (1.0 + 1e-12)
     for up in range(max(math.ceil(north - radius), 0), min(math.floor(north + radius), height - 1) + 1):
-        left = square - (up - north) * (up - north)
-        half = math.sqrt(left) if left > 0.0 else 0.0
+        rest = square - (up - north) * (up - north)
+        half = math.sqrt(rest) if rest > 0.0 else 0.0
         row = (height - 1 - up) * width
         for right in range(max(math.ceil(east - half), 0), min(math.floor(east + half), width - 1) + 1):
-            if marks[row + right] != mark:
-                marks[row + right] = mark
-                total += surface[row + right]
+            cell = row + right
+            if marks[cell] != mark:
+                marks[cell], now[cell] = mark, left[cell]
+            taught = now[cell] * share[cell]
+            now[cell] -= taught
+            total += taught
     return total
 
 
@@ -171,18 +180,19 @@ def _nearest_tasks(east, north, tasks, taken, n_near, near):
 
 @njit(cache=True, nogil=True)
 def assign(
-    places, velocities, v_max, a_max, radius_m, arrive_m, tasks, own, surfaces, kinds, height, width, cell_m, n_near,
-    swept, step_s, routes,
+    places, velocities, v_max, a_max, radius_m, arrive_m, tasks, own, left, shares, kinds, height, width, cell_m,
+    n_near, swept, step_s, routes,
 ):  # fmt: skip
     """Waypoints one step after another: at each, the agents share the tasks so that the total utility is largest.
 
     places, velocities : (A, 2); v_max, a_max, radius_m, arrive_m : (A,); tasks : (n, 2); own : (A,) int64, a task that
-    is no candidate of an agent's first step; surfaces : (K, M), information, from which that along chosen flights is
-    removed; kinds : (A,) int64, which surface; swept : bool, the utility is the sum over cells in view instead of the
-    largest of them, each over the seconds; routes : (A, steps, 2), written.
+    is no candidate of an agent's first step; left : (M,), bits to be learnt of each cell, from which what looks along
+    chosen flights take is removed; shares : (K, M), what one look of each kind takes; kinds : (A,) int64, whose looks
+    are of which kind; swept : bool, the utility is the sum over cells in view instead of the largest of them, each over
+    the seconds; routes : (A, steps, 2), written.
     """
     n_agents, n_tasks = places.shape[0], tasks.shape[0]
-    trace, marks = np.empty((512, 2)), np.full(surfaces.shape[1], -1)
+    trace, marks, now = np.empty((512, 2)), np.full(left.shape[0], -1), np.empty(left.shape[0])
     utilities, taken, near = np.empty((n_agents, n_tasks)), np.zeros(n_tasks, np.bool_), np.empty(n_near, np.int64)
     chosen = np.empty(n_agents, np.int64)
     states = np.empty((n_agents, 4))
@@ -198,8 +208,8 @@ def assign(
             if excluded:
                 taken[own[agent]] = True
             x, y, vx, vy = states[agent]
-            surface, radius = surfaces[kinds[agent]], radius_m[agent] / cell_m
-            highest = surface.max()
+            share, radius = shares[kinds[agent]], radius_m[agent] / cell_m
+            highest = (left * share).max()
             for k in range(_nearest_tasks(x, y, tasks, taken, n_near, near)):
                 task = near[k]
                 seconds, n_seen, _, _, _, _ = fly_to(
@@ -210,9 +220,9 @@ def assign(
                 for i in range(n_seen):
                     east, north = trace[i, 0] / cell_m, trace[i, 1] / cell_m
                     if swept:
-                        worth += new_in_view(east, north, radius, surface, height, width, mark, marks)
+                        worth += taught_in_view(east, north, radius, left, share, height, width, mark, marks, now)
                     elif worth < highest:
-                        worth = max(worth, highest_in_view(east, north, radius, surface, height, width))
+                        worth = max(worth, highest_in_view(east, north, radius, left, share, height, width))
                 mark += 1
                 utilities[agent, task] = (worth + NEXT_TO_NOTHING) / max(seconds, 1.0)
             if excluded:
@@ -228,17 +238,18 @@ def assign(
                 float(trace.shape[0]), step_s, 1.0, trace,
             )  # fmt: skip
             states[agent, 0], states[agent, 1], states[agent, 2], states[agent, 3] = x, y, vx, vy
+            share, radius = shares[kinds[agent]], radius_m[agent] / cell_m
             for i in range(n_seen):
-                _remove(trace[i, 0] / cell_m, trace[i, 1] / cell_m, radius_m[agent] / cell_m, surfaces, height, width)
+                _learn(trace[i, 0] / cell_m, trace[i, 1] / cell_m, radius, left, share, height, width)
 
 
 @njit(cache=True, nogil=True)
-def _remove(east, north, radius, surfaces, height, width):
-    """No information is left in cells in view."""
+def _learn(east, north, radius, left, share, height, width):
+    """A look takes its share of what is left of cells in view."""
     square = radius * radius * (1.0 + 1e-12)
     for up in range(max(math.ceil(north - radius), 0), min(math.floor(north + radius), height - 1) + 1):
-        left = square - (up - north) * (up - north)
-        half = math.sqrt(left) if left > 0.0 else 0.0
+        rest = square - (up - north) * (up - north)
+        half = math.sqrt(rest) if rest > 0.0 else 0.0
         row = (height - 1 - up) * width
         for right in range(max(math.ceil(east - half), 0), min(math.floor(east + half), width - 1) + 1):
-            surfaces[:, row + right] = 0.0
+            left[row + right] -= left[row + right] * share[row + right]

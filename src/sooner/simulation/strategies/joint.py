@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import product
 
@@ -129,6 +130,8 @@ class JointSession:
         strategy, states = self.strategy, situation.states
         self._presence.states = states
         self._presence.weigh(strategy.target if situation.sought else 0.0, self._weights)
+        if situation.glimpse is not None:
+            self._weights *= situation.glimpse
         seconds = int(situation.end_s - situation.now_s)
         rounds, routes = strategy.rounds, situation.routes
         if not self._begun:
@@ -207,26 +210,27 @@ def route_value(
 def lane_layouts(grid: Grid, agents: tuple[Agent, ...]) -> list[list[tuple[NDArray[np.bool_], Routes]]]:
     """Ways to cut the ground into as many parts as agents: the (M,) cells of each, and ways to sweep it in lanes.
 
-    Bands, columns, and rectangles as `rectangles` cuts them; lanes north to south or east to west, from each corner.
+    Bands, columns, and rectangles as `rectangles` cuts them; lanes north to south or east to west, from each corner, as
+    wide as each agent sees.
     """
     low, high = area(grid)
     n = len(agents)
-    width = 2.0 * min(agent.radius_m for agent in agents)
+    widths = sorted({2.0 * agent.radius_m for agent in agents})
     layouts = []
     for across, up in ((1, n), (n, 1)):
         size = (high - low) / (across, up)
         layouts.append([(low + size * (e, u), low + size * (e + 1, u + 1)) for u in range(up) for e in range(across)])
     layouts.append(rectangles(grid, n))
-    return [[(_inside(grid, *part), _sweeps(*part, width)) for part in layout] for layout in layouts]
+    return [[(_inside(grid, *part), _sweeps(*part, widths)) for part in layout] for layout in layouts]
 
 
 def _inside(grid: Grid, low: Floats, high: Floats) -> NDArray[np.bool_]:
     return np.asarray(((grid.centres_m >= low) & (grid.centres_m < high)).all(axis=1))
 
 
-def _sweeps(low: Floats, high: Floats, width: float) -> Routes:
+def _sweeps(low: Floats, high: Floats, widths: Sequence[float]) -> Routes:
     ways = []
-    for east, north in product((False, True), repeat=2):
+    for width, east, north in product(widths, (False, True), (False, True)):
         corner = np.where([east, north], high, low)
         ways.append(lanes(low, high, corner, width, 0.5))
         ways.append(lanes(low[::-1], high[::-1], corner[::-1], width, 0.5)[:, ::-1])

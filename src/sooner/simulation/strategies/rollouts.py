@@ -112,6 +112,8 @@ class RolloutsSession:
         strategy = self.strategy
         self._presence.states = situation.states
         self._presence.weigh(strategy.target if situation.sought else 0.0, self._weights)
+        if situation.glimpse is not None:
+            self._weights *= situation.glimpse
         seconds = max(int(min(strategy.horizon_s, situation.end_s - situation.now_s)), 1)
         packed, lengths = pack(situation.routes, strategy.waypoints)
         starts = np.hstack([situation.places_m, situation.velocities_mps])

@@ -36,6 +36,7 @@ class Situation:
     found : bool                       whether the detector has called
     graph : OccupancyGraph             the true streets: only edges between detected nodes may be asked for,
                                        `graph.explored_edges(states.nodes[graph.cells])`
+    glimpse : (M,) float or None       P(a look sees the cell); None where every look does
     """
 
     grid: Grid
@@ -50,6 +51,7 @@ class Situation:
     sought: bool
     found: bool
     graph: OccupancyGraph
+    glimpse: NDArray[np.float64] | None = None
 
 
 class Session(Protocol):
