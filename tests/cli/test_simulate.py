@@ -54,6 +54,18 @@ def test_workers_change_nothing(sooner, city, tmp_path):
     assert (tmp_path / "1" / "trials.csv").read_text() == (tmp_path / "2" / "trials.csv").read_text()
 
 
+def test_each_of_several_targets_is_told_of(sooner, city):
+    city.write_text(city.read_text().replace("count = 1", "count = 3"))
+    ended = sooner("simulate", city, "--trials", "3", "--strategy", "lawnmower")
+    assert ended.status == 0
+    for told in ("target 1 ", "target 3 ", "all of them by the end", "repeated detections of a target"):
+        assert told in ended.out
+    lines = (city.parent / "mission-simulation" / "trials.csv").read_text().splitlines()
+    assert lines[0].endswith(",repeated_calls")
+    again = sooner("simulate", city, "--trials", "3", "--strategy", "lawnmower", "--json", "-q", "--force")
+    assert len(again.json["by_target"]) == 3
+
+
 def test_an_empty_city_tells_of_false_detections(sooner, city):
     city.write_text(city.read_text().replace("count = 1", "count = 0"))
     ended = sooner("simulate", city, "--trials", "2", "--strategy", "random")

@@ -130,7 +130,42 @@ def test_a_trial_is_told_as_its_episode_says(read):
     assert mean.error == pytest.approx(np.std(values, ddof=1) / 3**0.5)
 
 
+@pytest.mark.parametrize(
+    ("said", "tracks"),
+    [
+        ("", "each"),
+        ('[estimator]\nprior = "kriged"\n', "each"),
+        ('[estimator]\ntracks = "restarted"\n', "restarted"),
+        ('[estimator]\ndetector = "cbht"\n', "one"),
+    ],
+)
+def test_several_targets_have_a_track_each_unless_it_is_said_otherwise(read, said, tracks):
+    assert read(CITY + said).scene.estimator.tracks == tracks
+    assert read(CITY.replace("count = 2", "count = 1")).scene.estimator.tracks == "one"
+
+
+def test_each_targets_detection_is_told(read):
+    mission = read(CITY.replace("count = 2", "count = 3"))
+    found = [(4, -1, 9), (20, 30, 10), (-1, -1, -1)]
+    trials = [StreetTrial(seed, 0.5, 0.2, 0.3, 0.9, each, 1, 0, 2) for seed, each in enumerate(found)]
+    assert [trial.row()[6] for trial in trials] == ["4 - 9", "20 30 10", ""]
+    together = StreetTrials(mission, "random", tuple(trials))
+    told = json.loads(json.dumps(together.result(), allow_nan=False))
+    assert [each["detected"]["mean"] for each in told["by_target"]] == pytest.approx([2 / 3, 1 / 3, 2 / 3])
+    assert [each["detected_after_s"]["mean"] for each in told["by_target"]] == pytest.approx([12.0, 30.0, 9.5])
+    assert told["all_targets_detected"]["mean"] == pytest.approx(1 / 3)
+    assert (told["all_detected_after_s"]["mean"], told["all_detected_after_s"]["n"]) == (30.0, 1)
+    assert told["repeated_detections"]["mean"] == 2.0
+    assert told["tracks"] == "each"
+
+
 SPOILED = {
+    "tracks where cells are tested": (
+        "[budget]",
+        '[estimator]\ndetector = "cbht"\ntracks = "each"\n[budget]',
+        "estimator",
+        "expected 'one'",
+    ),
     "no streets": ('streets = "streets.json"', "", "area.streets", "an occupancy graph"),
     "streets that are not there": ("streets.json", "none.json", "area.streets", "none.json"),
     "a poc": ("[target]", 'poc = "poc.csv"\n[target]', "area.poc", "search streets"),

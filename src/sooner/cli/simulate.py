@@ -21,6 +21,7 @@ __all__ = ["simulate"]
 
 MOST_TRIALS = 1_000_000
 TELL_S = 5.0
+MOST_TOLD = 10  # targets
 
 T = TypeVar("T")
 
@@ -113,6 +114,8 @@ def _tell(trials: Any, folder: Folder) -> None:
     if trials.n_targets:
         print(f"  targets detected by the end         {means['targets_detected'].told(4)}")
         print(f"  these after                         {means['detected_after_s'].told(1, ' s')}")
+    if trials.n_targets > 1:
+        _tell_each(trials)
     print(f"  false detections of a target        {means['false_detections'].told(4)} a flight")
     print(f"  false detections of streets         {means['false_nodes'].told(4)} a flight")
     if mission.attribution:
@@ -120,6 +123,16 @@ def _tell(trials: Any, folder: Folder) -> None:
     for name in ("trials.csv", "episode.npz"):
         print(f"{name.split('.')[0]:8} {folder.path / name}")
     print(f"picture  {folder.path / 'episode.png'}")
+
+
+def _tell_each(trials: Any) -> None:
+    """What the trials say of several targets."""
+    means = trials.means()
+    for number, (share, after) in enumerate(trials.by_target()[:MOST_TOLD], 1):
+        print(f"    target {number:<4} {'':22} {share.told(4)}, after {after.told(1, ' s')}")
+    print(f"  all of them by the end              {means['all_targets_detected'].told(4)}")
+    print(f"  the last of them, if all, after     {means['all_detected_after_s'].told(1, ' s')}")
+    print(f"  repeated detections of a target     {means['repeated_detections'].told(4)} a flight")
 
 
 def told(trials: Iterable[T], count: int, quiet: bool) -> Iterator[T]:

@@ -233,9 +233,12 @@ def _seconds(faults: Faults, settings: Settings) -> tuple[int, int]:
 
 
 def _estimator(faults: Faults, settings: Settings) -> Estimator | None:
-    said = settings.estimator
+    said = {} if settings.estimator is None else settings.estimator.model_dump()
+    if said.get("tracks") is None:
+        several = settings.target is not None and settings.target.count > 1
+        said["tracks"] = "each" if several and said.get("detector") != "cbht" else "one"
     try:
-        return Estimator() if said is None else Estimator(**said.model_dump())
+        return Estimator(**said)
     except InvalidProblemError as error:
         faults.add("estimator", *_parted(error))
         return None

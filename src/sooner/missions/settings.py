@@ -267,6 +267,12 @@ class Estimating(_Table):
     decay: float = Field(
         default=0.1, gt=0, le=1, description="of `lrdt`: how fast what was seen of a target is forgotten, a second"
     )
+    tracks: Literal["one", "restarted", "each"] | None = Field(
+        default=None,
+        description="of `lrdt`, after a detection: `each` follows the target by a track of its own and searches for "
+        "another; `restarted` searches anew, and detects again what is still in view; `one` seeks nobody else. "
+        "Left out: `each` where `target.count` is above 1, else `one`",
+    )
 
 
 class Hearing(_Table):

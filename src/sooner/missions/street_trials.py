@@ -17,7 +17,18 @@ from sooner.simulation.strategies import STRATEGIES, Strategy, make_strategy
 __all__ = ["COLUMNS", "DEFAULT_STRATEGY", "StreetTrial", "StreetTrials", "episode_of", "fly_streets", "strategy_named"]
 
 DEFAULT_STRATEGY = "swept_information"
-COLUMNS = ("seed", "e", "e_nodes", "e_targets", "nodes", "targets", "detected_s", "false_calls", "false_nodes")
+COLUMNS = (
+    "seed",
+    "e",
+    "e_nodes",
+    "e_targets",
+    "nodes",
+    "targets",
+    "detected_s",
+    "false_calls",
+    "false_nodes",
+    "repeated_calls",
+)
 FRAMES = 4  # beliefs kept of the episode that is written
 
 
@@ -32,6 +43,7 @@ class StreetTrial:
     nodes : float                      share of all nodes detected by the end
     found_s : tuple of int             the second in which each target was detected, -1 never
     false_calls, false_nodes : int     detections of a target with none near, and of nodes where there are none
+    repeated_calls : int               detections of a target that had been detected before
     """
 
     seed: int
@@ -42,6 +54,7 @@ class StreetTrial:
     found_s: tuple[int, ...]
     false_calls: int
     false_nodes: int
+    repeated_calls: int
 
     @classmethod
     def of(cls, episode: Episode) -> StreetTrial:
@@ -49,16 +62,18 @@ class StreetTrial:
         return cls(
             episode.seed, episode.e, episode.e_nodes, episode.e_targets, float(episode.nodes_curve[-1]),
             tuple(episode.found_targets.tolist()), episode.false_calls, episode.false_nodes,
+            episode.repeated_calls,
         )  # fmt: skip
 
     def row(self) -> list[str]:
-        """A line of `trials.csv`; what there is not is left empty."""
-        seconds = [second for second in self.found_s if second >= 0]
+        """A line of `trials.csv`; what there is not is left empty, a target of several that was not detected is "-"."""
+        found = sum(second >= 0 for second in self.found_s)
+        seconds = [str(second) if second >= 0 else "-" for second in self.found_s] if found else []
         there = bool(self.found_s)
         return [
             str(self.seed), f"{self.e:.6f}" if there else "", f"{self.e_nodes:.6f}",
-            f"{self.e_targets:.6f}" if there else "", f"{self.nodes:.6f}", str(len(seconds)) if there else "",
-            " ".join(map(str, seconds)), str(self.false_calls), str(self.false_nodes),
+            f"{self.e_targets:.6f}" if there else "", f"{self.nodes:.6f}", str(found) if there else "",
+            " ".join(seconds), str(self.false_calls), str(self.false_nodes), str(self.repeated_calls),
         ]  # fmt: skip
 
 
@@ -96,7 +111,26 @@ class StreetTrials:
             "false_detections": Mean.of([trial.false_calls for trial in trials]),
             "with_false_detections": Mean.of([float(trial.false_calls > 0) for trial in trials]),
             "false_nodes": Mean.of([trial.false_nodes for trial in trials]),
+            "repeated_detections": Mean.of([trial.repeated_calls for trial in trials]),
+            "all_targets_detected": Mean.of([float(all_found) for all_found in self._all_found] if there else []),
+            "all_detected_after_s": Mean.of(
+                [max(trial.found_s) for trial, all_found in zip(trials, self._all_found, strict=True) if all_found]
+                if there
+                else []
+            ),
         }
+
+    @property
+    def _all_found(self) -> list[bool]:
+        return [min(trial.found_s, default=-1) >= 0 for trial in self.trials]
+
+    def by_target(self) -> list[tuple[Mean, Mean]]:
+        """For each target the share of trials that detected it, and the seconds after which these did."""
+        seconds = zip(*(trial.found_s for trial in self.trials), strict=True)
+        return [
+            (Mean.of([float(second >= 0) for second in each]), Mean.of([second for second in each if second >= 0]))
+            for each in seconds
+        ]
 
     def result(self) -> dict[str, Any]:
         """The object that `sooner simulate --json` prints."""
@@ -115,7 +149,11 @@ class StreetTrials:
             "detector": scene.estimator.detector,
             "prior": scene.estimator.prior,
             "links": scene.links.said() if scene.links else None,
+            "tracks": scene.estimator.tracks,
             **{name: mean.result() for name, mean in self.means().items()},
+            "by_target": [
+                {"detected": share.result(), "detected_after_s": after.result()} for share, after in self.by_target()
+            ],
         }
 
 
