@@ -5,7 +5,10 @@ import json
 import numpy as np
 import pytest
 
+from sooner.missions import read_mission
+from sooner.missions.plan_episodes import replayed_plan
 from sooner.simulation import load_episode, replayed
+from sooner.simulation.plan_episode_file import load_plan_episode, plan_episode_npz
 
 
 @pytest.fixture
@@ -146,3 +149,58 @@ def test_a_replan_for_a_person_is_refused_with_the_reason(sooner, mission):
     ended = sooner("simulate", mission, "--replan", "20")
     assert ended.status == 2
     assert "every look says no, which the plan counts on already" in ended.err
+
+
+@pytest.mark.parametrize("replan", [(), ("--replan", "20")], ids=["once", "anew"])
+def test_the_first_flight_of_a_plan_is_kept_drawn_and_animated(sooner, evidence, replan):
+    options = ("--trials", "3", "--seed", "5", "--seconds", "0.2", "--planner", "greedy", "--animate", *replan)
+    ended = sooner("simulate", evidence, *options)
+    assert ended.status == 0
+    folder = evidence.parent / "mission-simulation"
+    assert (folder / "episode.png").read_bytes().startswith(b"\x89PNG")
+    assert (folder / "episode.gif").read_bytes().startswith(b"GIF")
+    episode = load_plan_episode(folder / "episode.npz")
+    row = (folder / "trials.csv").read_text().splitlines()[1].split(",")
+    assert [episode.flown.seed, np.isfinite(episode.found).sum()] == [int(row[0]), int(row[2])]
+    again = replayed_plan(episode, read_mission(evidence))
+    assert plan_episode_npz(again) == (folder / "episode.npz").read_bytes()
+
+
+def test_a_team_over_streets_is_animated_where_asked(sooner, city):
+    ended = sooner("simulate", city, "--trials", "1", "--strategy", "lawnmower", "--animate")
+    assert ended.status == 0
+    assert (city.parent / "mission-simulation" / "episode.gif").read_bytes().startswith(b"GIF")
+
+
+def interrupted_after(count):
+    """Trials until somebody presses Ctrl-C."""
+
+    def flown(work, seeds, workers):
+        for number, seed in enumerate(seeds):
+            if number == count:
+                raise KeyboardInterrupt
+            yield work(seed)
+
+    return flown
+
+
+@pytest.mark.parametrize("count", [0, 3])
+@pytest.mark.parametrize("over", ["streets", "cells", "cells, planned anew"])
+def test_an_interrupted_simulation_keeps_its_flights(sooner, request, monkeypatch, over, count):
+    path = request.getfixturevalue("city" if over == "streets" else "evidence")
+    module = {"streets": "street_trials", "cells": "plan_trials", "cells, planned anew": "replanned"}[over]
+    monkeypatch.setattr(f"sooner.missions.{module}.for_each_seed", interrupted_after(count))
+    options = ("--strategy", "random") if over == "streets" else ("--seconds", "0.2", "--planner", "greedy")
+    ended = sooner("simulate", path, "--trials", "9", *options, *(("--replan", "20") if "anew" in over else ()))
+    assert ended.status == 130
+    folder = path.parent / "mission-simulation"
+    if not count:
+        assert "nothing was written" in ended.err
+        assert not folder.exists()
+        return
+    assert "interrupted; 3 of 9 flights are written" in ended.err
+    assert len((folder / "trials.csv").read_text().splitlines()) == 4
+    told = json.loads((folder / "simulation.json").read_text())
+    assert told["trials"] == 3
+    assert told["interrupted"]
+    assert (folder / "episode.npz").exists()

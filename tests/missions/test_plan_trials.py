@@ -94,9 +94,16 @@ def test_false_alarms_come_as_often_as_the_sensor_errs(tmp_path):
     assert abs(trials.false_alarms.value - expected) < 4.0 * trials.false_alarms.error
 
 
-@pytest.mark.parametrize("name", ["a person over cells", "looks that correlate", "a person who may be elsewhere"])
-def test_a_person_is_found_by_all_looks_as_by_those_at_his_cell(tmp_path, name):
-    score = planned(tmp_path, FLOWN[name])
+SURE = SMALL.replace("glimpse = 0.5", "glimpse = 1.0")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [SMALL, SURE + INFORMATION, *(FLOWN[name] for name in ("looks that correlate", "a person who may be elsewhere"))],
+    ids=["cells", "bits of sure looks", "correlated", "elsewhere"],
+)
+def test_a_person_is_found_by_all_looks_as_by_those_at_his_cell(tmp_path, text):
+    score = planned(tmp_path, text)
     flyover = Flyover.of(score)
     for seed in range(100):
         hidden = Hidden(score.mission.sight.answers, seed)

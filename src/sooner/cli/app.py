@@ -153,8 +153,9 @@ def simulate(
     seconds: Annotated[float | None, typer.Option(help="Else: planning time, 10 if left out.")] = None,
     replan: Annotated[
         float | None,
-        typer.Option(help="Else, over evidence: plan anew so often, seconds (steps if nobody says speed)."),
+        typer.Option(help="Else, where answers teach: plan anew so often, seconds (steps if nobody says speed)."),
     ] = None,
+    animate: Annotated[bool, typer.Option("--animate", help="Of the first flight, episode.gif as well.")] = False,
     out: Annotated[Path | None, typer.Option(help="Folder for the trials, an episode and its picture.")] = None,
     json: Json = False,
     quiet: Quiet = False,
@@ -164,9 +165,10 @@ def simulate(
 
     Over waypoints a strategy plans while it flies. Else a plan is made as by `sooner plan` and flown against people
     drawn from the map: what it finds stands beside what it promised. With --replan what looks have answered counts.
-    Writes trials.csv, simulation.json and a picture to --out (left out: a folder MISSION-simulation).
+    Writes trials.csv, simulation.json, and the first flight as episode.npz and episode.png, to --out (left out: a
+    folder MISSION-simulation). Ctrl-C ends the trials; those that have been flown are written.
     """
-    asked = (trials, seed, workers, strategy, planner, seconds, replan)
+    asked = (trials, seed, workers, strategy, planner, seconds, replan, animate)
     return partial(_run, "simulate", "simulate", mission, asked, out, json, quiet, force)
 
 

@@ -7,12 +7,12 @@ import json
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from sooner.cli.exits import DONE, say, uninterrupted
+from sooner.cli.exits import DONE, INTERRUPTED, say, uninterrupted
 from sooner.errors import DataFormatError, Fault
 from sooner.io import Folder
 from sooner.missions.over_waypoints import StreetMission, is_over_waypoints, read_street_mission
@@ -22,6 +22,7 @@ __all__ = ["simulate"]
 MOST_TRIALS = 1_000_000
 TELL_S = 5.0
 MOST_TOLD = 10  # targets
+LEAST_FRAME_S, FRAMES = 4, 60  # of an animation
 
 T = TypeVar("T")
 
@@ -37,6 +38,7 @@ class Asked:
     planner: str | None
     seconds: float | None
     replan: float | None
+    animate: bool
 
     @property
     def seeds(self) -> range:
@@ -71,30 +73,33 @@ def _refuse(option: str, came: Any, instead: str) -> None:
 def _streets(mission: StreetMission, asked: Asked, folder: Folder, as_json: bool, quiet: bool) -> int:
     from sooner.missions.street_trials import COLUMNS, StreetTrials, episode_of, fly_streets, strategy_named
     from sooner.simulation import save_episode
-    from sooner.simulation.picture import picture_of
+    from sooner.simulation.picture import animation_of, picture_of
 
     name, strategy = strategy_named(asked.strategy)
-    folder.check("trials.csv", "simulation.json", "episode.npz", "episode.png")
+    folder.check("trials.csv", "simulation.json", *episode_files(asked))
     if not quiet:
         say(f"flying {asked.trials:,} times by {name}")
-    flown = tuple(told(fly_streets(mission, strategy, asked.seeds, asked.workers), asked.trials, quiet))
+    flown, status = gathered(fly_streets(mission, strategy, asked.seeds, asked.workers), asked.trials, quiet)
     trials = StreetTrials(mission, name, flown)
-    episode = episode_of(mission, strategy, asked.seed)
-    result = trials.result() | {"attribution": mission.attribution, "files": str(folder.path)}
+    result = trials.result() | {"attribution": mission.attribution, "interrupted": status != DONE}
+    result["files"] = str(folder.path)
     with uninterrupted():
-        folder.write(
-            {
-                "trials.csv": csv_of(COLUMNS, (trial.row() for trial in flown)),
-                "simulation.json": (json.dumps(result, allow_nan=False) + "\n").encode(),
-                "episode.npz": _bytes_of(episode, save_episode),
-                "episode.png": picture_of(episode),
-            }
-        )
+        episode = episode_of(mission, strategy, asked.seed)
+        files = {
+            "trials.csv": csv_of(COLUMNS, (trial.row() for trial in flown)),
+            "simulation.json": (json.dumps(result, allow_nan=False) + "\n").encode(),
+            "episode.npz": _bytes_of(episode, save_episode),
+            "episode.png": picture_of(episode),
+        }
+        if asked.animate:
+            files["episode.gif"] = animation_of(episode, max(LEAST_FRAME_S, -(-episode.seconds // FRAMES)))
+        folder.write(files)
     if as_json:
         print(json.dumps(result, allow_nan=False))
     else:
         _tell(trials, folder)
-    return DONE
+    tell_end(status, len(flown), asked.trials)
+    return status
 
 
 def _tell(trials: Any, folder: Folder) -> None:
@@ -123,6 +128,38 @@ def _tell(trials: Any, folder: Folder) -> None:
     for name in ("trials.csv", "episode.npz"):
         print(f"{name.split('.')[0]:8} {folder.path / name}")
     print(f"picture  {folder.path / 'episode.png'}")
+
+
+def episode_files(asked: Asked) -> list[str]:
+    """What is written of the first flight."""
+    return ["episode.npz", "episode.png", *(["episode.gif"] if asked.animate else [])]
+
+
+def gathered(trials: Iterator[T], count: int, quiet: bool) -> tuple[tuple[T, ...], int]:
+    """The trials that come, and the exit status: Ctrl-C ends them, and those that have been flown are kept.
+
+    Raises
+    ------
+    KeyboardInterrupt        where none has been flown
+    """
+    flown: list[T] = []
+    try:
+        for trial in told(trials, count, quiet):
+            flown.append(trial)
+    except KeyboardInterrupt:
+        if not flown:
+            raise
+        return tuple(flown), INTERRUPTED
+    finally:
+        if isinstance(trials, Generator):
+            trials.close()
+    return tuple(flown), DONE
+
+
+def tell_end(status: int, flown: int, count: int) -> None:
+    """How many trials there are, where they are not all."""
+    if status == INTERRUPTED:
+        say(f"sooner: interrupted; {flown:,} of {count:,} flights are written")
 
 
 def _tell_each(trials: Any) -> None:

@@ -8,16 +8,19 @@ from pathlib import Path
 
 from sooner.cli.exits import DONE, say, uninterrupted
 from sooner.cli.progress import Watch
-from sooner.cli.simulate import Asked, csv_of, told
+from sooner.cli.simulate import Asked, csv_of, episode_files, gathered, tell_end
 from sooner.cli.words import amount, clock, flight
 from sooner.errors import DataFormatError, Fault
 from sooner.io import Folder
 from sooner.missions import Mission, plan_mission, read_mission
 from sooner.missions.estimates import Mean
 from sooner.missions.picture import plan_picture
+from sooner.missions.plan_episodes import plan_episode
 from sooner.missions.plan_trials import COLUMNS, PlanTrials, fly_plan
-from sooner.missions.planning import plan_file
+from sooner.missions.planning import Planned, plan_file
 from sooner.missions.replanned import check_replanning, fly_replanned
+from sooner.simulation.plan_episode_file import plan_episode_npz
+from sooner.simulation.plan_picture import animated_plan, plan_episode_picture
 
 __all__ = ["simulate_plan"]
 
@@ -27,7 +30,7 @@ SECONDS = 10.0
 def simulate_plan(mission_file: Path, asked: Asked, folder: Folder, as_json: bool, quiet: bool) -> int:
     """Plan, fly, write, tell; answers the exit status."""
     mission = read_mission(mission_file)
-    folder.check("trials.csv", "simulation.json", "plan.csv", "plan.png")
+    folder.check("trials.csv", "simulation.json", "plan.csv", "plan.png", *episode_files(asked))
     seconds = SECONDS if asked.seconds is None else asked.seconds
     every = None if asked.replan is None else _every(mission, asked.replan)
     with Watch(mission, asked.planner, seconds, quiet) as watch:
@@ -39,9 +42,10 @@ def simulate_plan(mission_file: Path, asked: Asked, folder: Folder, as_json: boo
         if every is None
         else fly_replanned(planned, every, asked.seeds, asked.workers)
     )
-    flown = tuple(told(flights, asked.trials, quiet))
+    flown, status = gathered(flights, asked.trials, quiet)
     trials = PlanTrials(planned.score, flown)
-    result = trials.result() | {"planner": planned.planner, "replan": asked.replan, "files": str(folder.path)}
+    result = trials.result() | {"planner": planned.planner, "replan": asked.replan, "interrupted": status != DONE}
+    result["files"] = str(folder.path)
     with uninterrupted():
         folder.write(
             {
@@ -49,13 +53,22 @@ def simulate_plan(mission_file: Path, asked: Asked, folder: Folder, as_json: boo
                 "simulation.json": (json.dumps(result, allow_nan=False) + "\n").encode(),
                 "plan.csv": plan_file(mission, planned.score.plan),
                 "plan.png": plan_picture(planned),
+                **_episode(planned, every, asked),
             }
         )
     if as_json:
         print(json.dumps(result, allow_nan=False))
     else:
         _tell(mission, trials, planned.planner, every, folder)
-    return DONE
+    tell_end(status, len(flown), asked.trials)
+    return status
+
+
+def _episode(planned: Planned, every: float | None, asked: Asked) -> dict[str, bytes]:
+    """The first flight, kept whole."""
+    episode = plan_episode(planned.score.mission, planned.score.plan, asked.seed, planned.planner, every)
+    files = {"episode.npz": plan_episode_npz(episode), "episode.png": plan_episode_picture(episode)}
+    return files | {"episode.gif": animated_plan(episode)} if asked.animate else files
 
 
 def _every(mission: Mission, wanted: float) -> float:
@@ -86,9 +99,9 @@ def _tell(mission: Mission, trials: PlanTrials, planner: str, every: float | Non
             )
     if mission.sight.false_alarm:
         print(f"  false alarms                        {trials.false_alarms.told(1)} a flight")
-    for name in ("trials.csv", "plan.csv"):
+    for name in ("trials.csv", "plan.csv", "episode.npz"):
         print(f"{name.split('.')[0]:8} {folder.path / name}")
-    print(f"picture  {folder.path / 'plan.png'}")
+    print(f"pictures {folder.path / 'plan.png'}, episode.png")
 
 
 def _amount(mission: Mission, mean: Mean) -> str:

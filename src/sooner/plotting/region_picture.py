@@ -52,7 +52,8 @@ def draw_region_plan(evaluation: Evaluation, plan: Plan, ground: Ground, caption
 def _compose(figure: Figure, evaluation: Evaluation, plan: Plan, ground: Ground, caption: Caption) -> None:
     problem, measure = evaluation.problem, caption.measure
     cells, peak = CellMap(problem.grid), float(ground.there.max(initial=0.0))
-    flights = [_timed(searcher, actions) for searcher, actions in zip(problem.searchers, plan.actions, strict=True)]
+    team = zip(problem.searchers, plan.actions, strict=True)
+    flights = [_moves(searcher).timed(actions) for searcher, actions in team]
     longest = max(float(times[-1]) for _, times in flights)
     second = [f"{measure.told(evaluation.total)} {measure.done} in {duration(longest, 1.0)}{by(caption)}"]
     if np.isfinite(caption.bound):
@@ -120,19 +121,6 @@ def _draw_borders(axes: Axes, cells: CellMap, labels: NDArray[np.int32]) -> None
 def _moves(searcher: Searcher) -> RegionMoves:
     assert isinstance(searcher.moves, RegionMoves)
     return searcher.moves
-
-
-def _timed(searcher: Searcher, actions: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """(n, 2) waypoints of a flight, and (n,) about when it is there: an action's time is spread over its length."""
-    moves = _moves(searcher)
-    points, times = [], []
-    for action, begun, turned in moves.flown(actions):
-        path = moves.graph.paths[action][::-1] if turned else moves.graph.paths[action]
-        along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
-        share = along / along[-1] if along[-1] > 0 else np.linspace(0.0, 1.0, len(along))
-        points.append(path)
-        times.append(begun + share * float(moves.graph.seconds[action]))
-    return np.concatenate(points), np.concatenate(times)
 
 
 def first_seen(evaluation: Evaluation, plan: Plan) -> NDArray[np.float64]:

@@ -217,6 +217,19 @@ class RegionMoves:
             found += np.bincount(self.graph.footprints.of(action), minlength=grid.n_cells)
         return found
 
+    def timed(
+        self, actions: Sequence[int] | NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(n, 2) waypoints of a flight, and (n,) about when it is there: an action's time is spread over its length."""
+        points, times = [np.zeros((0, 2))], [np.zeros(0)]
+        for action, begun, turned in self.flown(actions):
+            path = self.graph.paths[action][::-1] if turned else self.graph.paths[action]
+            along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
+            share = along / along[-1] if along[-1] > 0 else np.linspace(0.0, 1.0, len(along))
+            points.append(path)
+            times.append(begun + share * float(self.graph.seconds[action]))
+        return np.concatenate(points), np.concatenate(times)
+
     def path(self, actions: Sequence[int] | NDArray[np.int64]) -> NDArray[np.float64]:
         """(n, 2) float: waypoints of the whole plan, metres east and north."""
         parts = [

@@ -109,7 +109,7 @@ class AnswerModel:
     def first_chance(self, cell: int, looks: int) -> Floats:
         """(looks,) float: P(each of so many looks at the person's cell says yes | all before it have said no)."""
         misses = miss_after_looks(self.detects[[cell]], looks, self.correlation)[0]
-        return np.asarray(1.0 - np.divide(misses[1:], misses[:-1], out=np.ones(looks), where=misses[:-1] > 0))
+        return np.asarray(1.0 - np.divide(misses[1:], misses[:-1], out=np.zeros(looks), where=misses[:-1] > 0))
 
     def after(self, looks: Ints, hits: Ints) -> Known:
         """What is known after looks (N,) of which `hits` (N,) said yes.
