@@ -1,5 +1,7 @@
 """A fence never stands where the flight goes, and stands only around what is known to be forbidden."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,9 +9,13 @@ from hypothesis import strategies as st
 
 from sooner.grid import Grid
 from sooner.io.georeference import Georeference
+from sooner.missions import fences as module
 from sooner.missions.fences import CLEAR_M, MOST_CORNERS, fences
 
 GROUND = Georeference("EPSG:32632", (720_000.0, 5_150_000.0), 24.0, 24.0)
+
+
+SHARES = np.linspace(0.0, 1.0, 101)
 
 
 def fenced(stones, line, closed=False, cell_m=24.0):
@@ -89,3 +95,25 @@ def test_of_many_obstacles_the_largest_are_fenced():
     assert len(found[1][0]) == 4
     assert np.ptp(found[1][0], axis=0).tolist() == pytest.approx([4, 4], abs=1e-3)
     assert any(f"more than {MOST_CORNERS} corners" in note for note in notes)
+
+
+def test_borders_that_turn_too_often_are_not_followed(monkeypatch):
+    stones = np.zeros((60, 60))
+    stones[10:50:4, 10:50:4] = 1
+    monkeypatch.setattr(module, "MOST_TRACED", 403)
+    found, notes = fenced(stones, [[2, 2], [2, 20]])
+    assert found == []
+    assert notes == ("no fences: the borders of the obstacles turn more than 403 times",)
+    monkeypatch.setattr(module, "MOST_TRACED", 404)  # the map's four, and four for each of a hundred stones
+    assert fenced(stones, [[2, 2], [2, 20]])[0]
+
+
+@settings(max_examples=30)
+@given(st.integers(0, 2**32 - 1))
+def test_distances_are_those_between_all_points_and_legs(seed):
+    rng = np.random.default_rng(seed)
+    points, line = rng.random((rng.integers(1, 8), 2)), rng.random((rng.integers(1, 8), 2))
+    line[-1] = line[0]
+    near = min(np.hypot(*(p - a - s * (b - a))) for p in points for a, b in pairwise([*line, line[-1]]) for s in SHARES)
+    assert module._nearest(points, line) == pytest.approx(near, abs=0.01)
+    assert module._nearest(points, line) <= near + 1e-12

@@ -138,6 +138,14 @@ def test_home_is_where_the_mission_puts_it(tmp_path):
     np.testing.assert_allclose(cells_of(plan)[0], [3, 3], atol=1e-4)
 
 
+def test_a_landing_is_where_the_mission_puts_it(tmp_path):
+    ((lat, lon),) = DOLOMITES.places([[3.3, 5.4]])
+    end = f"end = {{ lat = {lat:.7f}, lon = {lon:.7f} }}\n"
+    (plan,) = flown(read_mission(located(tmp_path, over_cells(HOME + end), hills())), [(3, 3), (3, 4), (3, 5)]).plans
+    assert plan.finish == "land"
+    assert plan.places[-1] == plan.landings[0] == pytest.approx((lat, lon), abs=1e-7)
+
+
 @pytest.mark.parametrize(
     ("own", "height", "told"),
     [("", 60.0, "nobody says how high"), ("altitude_m = 85", 85.0, None)],
@@ -236,3 +244,21 @@ def test_hexagons_do_not_lie_on_a_raster(tmp_path):
     mission = read_mission(located(tmp_path, over_cells(HOME, area='grid = "hex"'), hills()))
     with pytest.raises(DataFormatError, match=r"area\.grid: 'hex' came"):
         flown(mission, [(3, 3), (3, 4)])
+
+
+def test_a_flight_over_the_date_line_is_refused_by_name(tmp_path):
+    ground = Georeference("EPSG:32760", (732_000.0, 8_120_000.0), 24_000.0, 24_000.0)  # Taveuni, Fiji
+    mission = read_mission(located(tmp_path, over_cells(HOME), hills(), ground))
+    assert len(flown(mission, [(3, 3), (3, 2)]).plans) == 1
+    with pytest.raises(DataFormatError, match=r"searcher\[0\]: a flight with longitudes from .* the date line"):
+        flown(mission, [(3, 3), (3, 4)])
+
+
+def test_a_height_that_nothing_flies_at_is_refused_by_name(tmp_path):
+    camera = "camera = { fov_deg = 1, altitude_m = 20000.0, pixels = 4000, exposure_s = 0.000001 }"
+    text = over_regions("start = [3, 3]\n").replace("radius_m = 40.0", camera)
+    mission = read_mission(located(tmp_path, text, 0.9 * hills()))
+    with pytest.raises(
+        DataFormatError, match=r"searcher\[0\]: an altitude of 20000.0 came; expected 0 to 10000 m"
+    ):
+        flights(plan_mission(mission, "greedy", seconds=1).score)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +14,8 @@ __all__ = ["CLEAR_M", "MOST_CORNERS", "fences"]
 
 CLEAR_M = 5.0  # satellites place an aircraft to within a few metres: a fence nearer to its line would stop the flight
 MOST_CORNERS = 100  # of all fences together; autopilots have memory for about as many
+MOST_TRACED = 100_000  # turns of borders that are followed
+AT_ONCE = 1 << 18  # pairs of points and legs whose distances are worked out together
 
 Ring = NDArray[np.float64]
 
@@ -37,20 +37,26 @@ def fences(
     """
     if grid.obstacles is None:
         return (), ()
-    outline, holes = _outlines(grid, line)
-    flown = np.concatenate([line, line[:1]]) if closed else line
+    free = grid.passable.reshape(grid.shape)
+    if _turns(free) > MOST_TRACED:
+        return (), (f"no fences: the borders of the obstacles turn more than {MOST_TRACED:,} times",)
+    outline, holes = _outlines(free, line)
     rings = [(outline, True), *((hole, False) for hole in sorted(holes, key=_area, reverse=True))]
-    kept, near, many, corners = [], 0, 0, 0
-    for ring, inclusion in rings:
-        if corners + len(ring) > MOST_CORNERS:
-            many += 1
-        elif _apart(flown, ring) * grid.cell_m < CLEAR_M:
-            near += 1
-        else:
-            corners += len(ring)
-            places = ground.places(ring)
-            kept.append(Fence(tuple((float(lat), float(lon)) for lat, lon in places), inclusion))
-    return tuple(kept), _told(len(rings), near, many)
+    few = int(np.searchsorted(np.cumsum([len(ring) for ring, _ in rings]), MOST_CORNERS, "right"))
+    flown = np.concatenate([line, line[:1]]) if closed else line
+    kept = [each for each in rings[:few] if _apart(flown, each[0]) * grid.cell_m >= CLEAR_M]
+    made = tuple(Fence(_places(ground, ring), inclusion) for ring, inclusion in kept)
+    return made, _told(len(rings), few - len(kept), len(rings) - few)
+
+
+def _places(ground: Georeference, ring: Ring) -> tuple[tuple[float, float], ...]:
+    return tuple((float(lat), float(lon)) for lat, lon in ground.places(ring))
+
+
+def _turns(free: NDArray[np.bool_]) -> int:
+    """How often the borders of free ground turn: once where four cells that meet are one and three."""
+    padded = np.pad(free, 1).astype(np.int8)
+    return int(((padded[1:, 1:] + padded[1:, :-1] + padded[:-1, 1:] + padded[:-1, :-1]) % 2 == 1).sum())
 
 
 def _told(count: int, near: int, many: int) -> tuple[str, ...]:
@@ -62,11 +68,11 @@ def _told(count: int, near: int, many: int) -> tuple[str, ...]:
     return tuple(told)
 
 
-def _outlines(grid: Grid, line: NDArray[np.float64]) -> tuple[Ring, list[Ring]]:
+def _outlines(free: NDArray[np.bool_], line: NDArray[np.float64]) -> tuple[Ring, list[Ring]]:
     """The outer border of the free ground around a flight, and the borders of what lies within."""
     from rasterio.features import shapes
 
-    pieces = components(grid.passable.reshape(grid.shape))
+    pieces = components(free)
     row, col = np.rint(line[0]).astype(int)
     held = pieces == pieces[row, col]
     ((polygon, _),) = shapes(held.astype(np.uint8), mask=held, connectivity=4)
@@ -93,11 +99,13 @@ def _apart(line: NDArray[np.float64], ring: Ring) -> float:
 
 
 def _nearest(points: NDArray[np.float64], line: NDArray[np.float64]) -> float:
-    """Distance of the nearest of these points to a line, leg by leg, so that memory stays small."""
-    least = float(np.hypot(*(points - line[0]).T).min())
-    for begin, end in pairwise(line):
-        leg = end - begin
-        length = float(leg @ leg)
-        along = np.clip((points - begin) @ leg / length, 0.0, 1.0) if length else np.zeros(len(points))
-        least = min(least, float(np.hypot(*(points - begin - along[:, None] * leg).T).min()))
+    """Cells between a line and the nearest of these points, a few legs at a time, so that memory stays small."""
+    least, at_once = float(np.hypot(*(points - line[0]).T).min()), max(1, AT_ONCE // len(points))
+    for first in range(0, len(line) - 1, at_once):
+        ends = line[first : first + at_once + 1]
+        legs, away = np.diff(ends, axis=0), points[:, None] - ends[:-1]
+        squares = np.maximum((legs**2).sum(axis=1), np.finfo(float).tiny)
+        along = np.clip((away * legs).sum(axis=2) / squares, 0.0, 1.0)
+        away -= along[:, :, None] * legs
+        least = min(least, float((away**2).sum(axis=2).min()) ** 0.5)
     return least

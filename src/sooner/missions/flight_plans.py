@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.errors import DataFormatError, Fault
+from sooner.errors import DataFormatError, Fault, InvalidProblemError
 from sooner.grid.paths import centres_of, line_is_clear, rows_and_cols, way
 from sooner.io.flights import FlightPlan, Waypoint
 from sooner.io.flights.flight_plan import Finish, Place
@@ -92,7 +92,13 @@ def flights(score: Score) -> Flights:
     DataFormatError         if the mission does not say where on the globe it lies, or a speed that the plan needs
     """
     mission, ground = score.mission, check_place(score.mission)
-    told = [_flight(score, number, ground) for number in range(len(score.plan.actions))]
+    told = []
+    for number in range(len(score.plan.actions)):
+        try:
+            told.append(_flight(score, number, ground))
+        except InvalidProblemError as error:
+            came, _, expected = str(error).partition("; ")
+            raise DataFormatError(Fault(str(mission.path), f"searcher[{number}]", came, expected)) from None
     plans = tuple(plan for plan, _ in told)
     return Flights(plans, (*_scale(mission, ground), *(note for _, notes in told for note in notes), *_levels(plans)))
 
@@ -111,6 +117,8 @@ def _flight(score: Score, number: int, ground: Georeference) -> tuple[FlightPlan
     altitude_m, altitude_notes = _altitude(mission, number)
     places = [(float(lat), float(lon)) for lat, lon in ground.places(cells)]
     home = _told(said.start, places[0])
+    if finish != "return":
+        places[-1] = _told(said.end, places[-1])
     passed = np.concatenate([ground.cells([home]), cells])
     fenced, fence_notes = fences(problem.grid, ground, passed, finish == "return")
     placed = zip(places, hold_s.tolist(), strict=True)
@@ -123,7 +131,7 @@ def _flight(score: Score, number: int, ground: Georeference) -> tuple[FlightPlan
         speed_mps=line.speed_mps,
         duration_s=line.duration_s,
         fences=fenced,
-        landings=() if finish == "return" else (_told(said.end, places[-1]),),
+        landings=() if finish == "return" else (places[-1],),
         kind=said.kind,
     )
     notes = (*line.notes, *way_notes, *fence_notes, *altitude_notes)

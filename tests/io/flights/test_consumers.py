@@ -2,9 +2,10 @@
 
 import socket
 import struct
-from contextlib import contextmanager, redirect_stdout
+from contextlib import closing, contextmanager, redirect_stdout
 from dataclasses import replace
 from io import StringIO
+from queue import Queue
 
 import mavsdk
 import numpy as np
@@ -20,6 +21,7 @@ from tests.io.flights.plans import HOSTILE, RIDGE, flight_plans, named
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # within pymavlink
 
 TAKEOFF, SPEED, WAYPOINT, RETURN, LAND, LOITER = 22, 178, 16, 20, 21, 17
+ANSWERS = ["MISSION_REQUEST_INT", "MISSION_REQUEST", "MISSION_ACK"]
 NEAR = 1e-7  # degrees
 
 
@@ -37,15 +39,11 @@ def close(found, places):
 @pytest.fixture(scope="module")
 def link():
     """An autopilot with a mission server and a ground station, which talk over the loopback."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = _free_port()
     with _mavsdk(mavsdk.ComponentType.AUTOPILOT) as pilot, _mavsdk(mavsdk.ComponentType.GROUND_STATION) as ground:
         assert ground.add_any_connection(f"udpin://127.0.0.1:{port}") == 0
         assert pilot.add_any_connection(f"udpout://127.0.0.1:{port}") == 0
-        server = MissionRawServer(pilot.server_component())
-        taken = []
-        server.subscribe_incoming_mission(lambda result, mission, _: taken.append((result, mission.mission_items)))
+        server, taken = _mission_server(pilot)
         system = ground.first_autopilot(30.0)
         assert system is not None
         missions = MissionRaw(system)
@@ -54,11 +52,26 @@ def link():
         server.destroy()
 
 
+def _free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
+
+
+def _mission_server(pilot):
+    """A server that takes missions, and the missions that it has taken."""
+    server, taken = MissionRawServer(pilot.server_component()), Queue()
+    server.subscribe_incoming_mission(lambda result, mission, _: taken.put(mission.mission_items))
+    return server, taken
+
+
 @contextmanager
 def _mavsdk(kind):
     made = mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(kind))
-    yield made
-    made.destroy()
+    try:
+        yield made
+    finally:
+        made.destroy()
 
 
 def places_of(items, command=WAYPOINT):
@@ -104,7 +117,7 @@ def test_an_autopilot_takes_the_mission_and_tells_it_back(link):
     missions.upload_mission(items)  # raises unless it is acknowledged
     close(places_of(missions.download_mission()), RIDGE.places)
     assert [item.command for item in missions.download_mission()] == [22, 178, 16, 16, 178, 16, 178, 16, 20]
-    assert len(taken[-1][1]) == len(items)
+    assert len(taken.get(timeout=30)) == len(items)
 
 
 def test_a_speed_is_over_ground_and_leaves_the_throttle(link):
@@ -114,6 +127,32 @@ def test_a_speed_is_over_ground_and_leaves_the_throttle(link):
 
 
 # ---------------------------------------------------------------- pymavlink
+
+
+def test_an_autopilot_takes_what_pymavlink_uploads_from_our_waypoints(tmp_path):
+    """COUNT -> REQUEST -> ITEM -> ACK, with a ground station and an autopilot that are both not ours."""
+    from pymavlink import mavutil, mavwp
+
+    path, port = tmp_path / "flight.waypoints", _free_port()
+    path.write_bytes(written("waypoints", RIDGE))
+    loader = mavwp.MAVWPLoader()
+    with redirect_stdout(StringIO()):
+        loader.load(str(path))
+        ground = mavutil.mavlink_connection(f"udpin:127.0.0.1:{port}", dialect="common")
+    with _mavsdk(mavsdk.ComponentType.AUTOPILOT) as pilot, closing(ground):
+        server, taken = _mission_server(pilot)
+        assert pilot.add_any_connection(f"udpout://127.0.0.1:{port}") == 0
+        assert ground.wait_heartbeat(timeout=30) is not None
+        ground.mav.mission_count_send(1, 1, loader.count())
+        while (asked := ground.recv_match(type=ANSWERS, timeout=30, blocking=True)).get_type() != "MISSION_ACK":
+            item = loader.wp(asked.seq)
+            place = round(item.x * 1e7), round(item.y * 1e7), item.z
+            flags = item.frame, item.command, item.current, item.autocontinue
+            settings_ = item.param1, item.param2, item.param3, item.param4
+            ground.mav.mission_item_int_send(1, 1, asked.seq, *flags, *settings_, *place)
+        assert asked.type == mavutil.mavlink.MAV_MISSION_ACCEPTED
+        close(places_of(taken.get(timeout=30)), [RIDGE.home, *RIDGE.places])
+        server.destroy()
 
 
 @settings(max_examples=20)

@@ -76,11 +76,9 @@ def test_a_flight_ends_as_it_says(finish, command):
     assert mission_items(replace(RIDGE, finish=finish))[-1].command == command
 
 
-def test_who_lands_away_lands_where_it_may():
+def test_who_lands_away_lands_below_its_last_waypoint():
     landed = mission_items(replace(RIDGE, finish="land"))[-1]
-    assert (landed.lat, landed.lon) == RIDGE.landings[0]
-    landed = mission_items(replace(RIDGE, finish="land", landings=()))[-1]
-    assert (landed.lat, landed.lon) == RIDGE.places[-1]
+    assert (landed.lat, landed.lon, landed.altitude_m) == (*RIDGE.places[-1], 0.0)
 
 
 def test_more_items_than_mavlink_counts_are_refused(monkeypatch):

@@ -99,7 +99,7 @@ class FlightPlan:
     duration_s : float or None          of what is planned, without a way home that is not
     home_altitude_m : float or None     of home, above the sea; None where nobody knows
     fences : of Fence
-    landings : of (lat, lon)            where else it may come down; if it lands at the end, at the first of these
+    landings : of (lat, lon)            where else it may come down
     kind : str                          "copter" or "fixed_wing"
 
     Raises

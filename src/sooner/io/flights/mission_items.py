@@ -63,7 +63,6 @@ def _items(plan: FlightPlan) -> Iterator[MissionItem]:
     if plan.finish == "return":
         yield MissionItem(RETURN, NOWHERE)
     elif plan.finish == "land":
-        landing = plan.landings[0] if plan.landings else (last.lat, last.lon)
-        yield MissionItem(LAND, RELATIVE, (0.0, 0.0, 0.0, None), *landing, 0.0)
+        yield MissionItem(LAND, RELATIVE, (0.0, 0.0, 0.0, None), last.lat, last.lon, 0.0)
     else:
         yield MissionItem(LOITER, RELATIVE, (0.0, 0.0, 0.0, None), last.lat, last.lon, last.altitude_m)
