@@ -132,7 +132,7 @@ def reference_page() -> str:
     parts.append(
         "## Georeference\n\nA GeoTIFF must be in a projection in metres or feet, with square cells, north up. Its cell "
         "size goes before `cell_m`, which must agree where both are given; rasters of one mission must lie on the same "
-        'cells. "No data" counts as 0 in `poc` and `evidence` and as free ground in `obstacles`. Files that aircraft fly (`sooner export`, '
-        "`sooner plan --format`) need the georeference of `poc` or `evidence`."
+        'cells. "No data" counts as 0 in `poc` and `evidence` and as free ground in `obstacles`. Files that '
+        "aircraft fly (`sooner export`, `sooner plan --format`) need the georeference of `poc` or `evidence`."
     )
     return "\n\n".join(parts) + "\n"
