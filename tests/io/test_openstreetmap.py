@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from sooner.errors import DataFormatError, InvalidProblemError
-from sooner.io.occupancy_graphs import read_street_map
-from sooner.io.openstreetmap import EARTH_M, read_openstreetmap
+from sooner.io.occupancy_graphs import EARTH_M, read_street_map
+from sooner.io.openstreetmap import read_openstreetmap
 
 osmium = pytest.importorskip("osmium")
 

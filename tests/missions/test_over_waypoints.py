@@ -57,6 +57,18 @@ def test_what_is_left_out_is_as_the_paper_flies_it(read):
     assert scene.estimator.detector == "lrdt"
 
 
+def test_drones_start_at_coordinates_where_streets_have_theirs(read, tmp_path):
+    streets = StreetMap(street_grid("gridiron", 3, (20, 20)), south_west=(46.0, 11.0), scale=2.0)
+    (tmp_path / "streets.json").write_bytes(street_map_json(streets))
+    beside, above = 7.5 * 10.0, 3.5 * 10.0  # real metres, at the middle of column 7 of the fourth row from the south
+    lat = 46.0 + np.degrees(above / 6371008.8)
+    lon = 11.0 + np.degrees(beside / 6371008.8 / np.cos(np.radians(46.0)))
+    scene = read(CITY.replace("speed", f"start = {{ lat = {lat:.9f}, lon = {lon:.9f} }}\nspeed")).scene
+    np.testing.assert_array_equal(scene.starts_m, read(CITY.replace("speed", "start = [16, 7]\nspeed")).scene.starts_m)
+    with pytest.raises(DataFormatError, match=r"which is \[42, 7\], came; expected a cell of the map"):
+        read(CITY.replace("speed", f"start = {{ lat = 45.998, lon = {lon:.9f} }}\nspeed"))
+
+
 def test_what_is_said_reaches_the_scene(read):
     text = CITY.replace("count = 2", 'count = 1\nrest = 0.2\nturn_scale = 3.0\nbias = "evasive"\nreach_m = 9.0')
     text = text.replace(
@@ -184,7 +196,8 @@ SPOILED = {
     "a fixed wing": ("speed", 'kind = "fixed_wing"\nspeed', "searcher[0].kind", "it may hover"),
     "an end": ("speed", "end = [0, 0]\nspeed", "searcher[0].end", "search streets"),
     "a start outside": ("speed", "start = [20, 0]\nspeed", "searcher[0].start", "rows 0 to 19"),
-    "a start by coordinates": ("speed", "start = { lat = 1.0, lon = 1.0 }\nspeed", "searcher[0].start", "[row, col]"),
+    "a start on the globe": ("speed", "start = { lat = 1.0, lon = 1.0 }\nspeed", "searcher[0].start", "on the globe"),
+    "half a start": ("speed", "start = { lat = 1.0 }\nspeed", "searcher[0].start.lon", "lat and lon make a place"),
     "unlike moves": ("[budget]", "[[searcher]]\nstart = [0, 0]\n[budget]", "searcher[1].moves", "the same of all"),
     "some starts": (
         "[budget]",

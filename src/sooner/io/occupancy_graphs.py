@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from math import isfinite
+from math import cos, floor, isfinite, radians
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sooner.errors import DataFormatError, Fault, InvalidProblemError
 from sooner.grid import Grid
 from sooner.io.reading import bytes_of, text_of
 from sooner.streets import OccupancyGraph
 
-__all__ = ["MOST_STREET_CELLS", "StreetMap", "read_street_map", "street_map_json"]
+__all__ = ["MOST_STREET_CELLS", "StreetMap", "metres_from", "read_street_map", "street_map_json"]
 
 MOST_STREET_CELLS = 1_000_000
 MOST_BYTES = 50_000_000
+EARTH_M = 6371008.8  # mean radius
 COLUMNS = ["id", "x_m", "y_m", "bx", "by"]
 _EXPECTED = "expected an occupancy graph in JSON, with cell_m, size_m, nodes and edges"
 _MOST_FAULTS = 10
@@ -42,6 +44,37 @@ class StreetMap:
     attribution: str = ""
     south_west: tuple[float, float] | None = None
     scale: float = 1.0
+
+    def cell_at(self, lat: float, lon: float) -> tuple[int, int]:
+        """The cell, (row, col), whose ground holds a place; beyond the map, the cell that it would have there.
+
+        Raises
+        ------
+        InvalidProblemError     if the map does not say where on the globe it lies
+
+        Examples
+        --------
+        >>> streets = StreetMap(OccupancyGraph.of(Grid((2, 2), "square8", 5.0), [2], []), south_west=(46.0, 11.0))
+        >>> streets.cell_at(46.00001, 11.0001)  # a metre to the north, eight to the east
+        (1, 1)
+        """
+        if self.south_west is None:
+            raise InvalidProblemError("a latitude and longitude came, and streets without a south-west corner")
+        grid = self.graph.grid
+        east, north = metres_from(np.array([[lat, lon]]), self.south_west, self.scale)[0]
+        return grid.shape[0] - 1 - floor(north / grid.cell_m), floor(east / grid.cell_m)
+
+
+def metres_from(places: NDArray[np.float64], corner: tuple[float, float], scale: float = 1.0) -> NDArray[np.float64]:
+    """(k, 2) metres of the map, east and north of a corner, to places (k, 2) in degrees north and east.
+
+    Equirectangular, good for some kilometres.
+
+    >>> metres_from(np.array([[0.1, -179.9]]), (0.0, 179.9)).round()
+    array([[22239., 11120.]])
+    """
+    lat, lon = places[:, 0] - corner[0], (places[:, 1] - corner[1] + 180.0) % 360.0 - 180.0
+    return np.radians(np.column_stack([lon * cos(radians(corner[0])), lat])) * EARTH_M / scale
 
 
 def read_street_map(path: Path) -> StreetMap:

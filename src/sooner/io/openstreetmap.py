@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import ceil, cos, radians
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 
 from sooner.errors import DataFormatError, Fault, InvalidProblemError
 from sooner.grid import Grid
-from sooner.io.occupancy_graphs import MOST_STREET_CELLS, StreetMap
+from sooner.io.occupancy_graphs import MOST_STREET_CELLS, StreetMap, metres_from
 from sooner.io.reading import opened
 from sooner.streets.rasterise import rasterised
 
 __all__ = ["ATTRIBUTION", "read_openstreetmap"]
 
 ATTRIBUTION = "© OpenStreetMap contributors"
-EARTH_M = 6371008.8  # mean radius
 MOST_BYTES = 500_000_000
 MOST_WAY_NODES = 5_000_000
 # Where nobody walks, nobody can be seen, or nothing is yet.
@@ -75,7 +74,7 @@ def read_openstreetmap(
     grid = Grid(_shape(path, shape, cell_m * scale, corner, bounds), "square8", cell_m)
     if grid.n_cells > MOST_STREET_CELLS:
         raise InvalidProblemError(f"a window of {grid.n_cells} cells came; expected at most {MOST_STREET_CELLS}")
-    placed = [(road, _metres(road.places, corner, scale) - cell_m / 2.0) for road in roads]
+    placed = [(road, metres_from(road.places, corner, scale) - cell_m / 2.0) for road in roads]
     if not cut:
         _refuse_gaps(path, grid, placed)
     try:
@@ -157,19 +156,13 @@ def _shape(
         return shape
     if bounds is None:
         raise DataFormatError(Fault(str(path), "bounds", "nothing came", "expected bounds, or a number of cells"))
-    east, north = _metres(np.array([bounds[2:]]), corner, 1.0)[0]
+    east, north = metres_from(np.array([bounds[2:]]), corner, 1.0)[0]
     rows, cols = ceil(north / cell_m - 0.01), ceil(east / cell_m - 0.01)  # bounds are told to a centimetre
     if rows < 1 or cols < 1 or rows * cols > MOST_STREET_CELLS:
         came = f"bounds of {east:.0f} m by {north:.0f} m came"
         told = f"expected an area, of at most {MOST_STREET_CELLS} cells of {cell_m:g} m"
         raise DataFormatError(Fault(str(path), "bounds", came, told))
     return rows, cols
-
-
-def _metres(places: NDArray[np.float64], corner: tuple[float, float], scale: float) -> NDArray[np.float64]:
-    """(k, 2) metres east and north of the corner: equirectangular, good for some kilometres."""
-    lat, lon = places[:, 0] - corner[0], (places[:, 1] - corner[1] + 180.0) % 360.0 - 180.0
-    return np.radians(np.column_stack([lon * cos(radians(corner[0])), lat])) * EARTH_M / scale
 
 
 def _parts(places: NDArray[np.float64]) -> list[NDArray[np.float64]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
@@ -204,17 +205,33 @@ def _starts(faults: Faults, settings: Settings, streets: StreetMap | None) -> ND
         key = f"searcher[{number}].start"
         if start is None:
             faults.add(key, "nothing came, and others start at places of their own", "expected [row, col], or of none")
-        elif isinstance(start, Place):
-            faults.add(key, "lat and lon came", "expected [row, col]: over streets coordinates are not known yet")
-        elif streets is not None:
-            rows, cols = streets.graph.grid.shape
-            if not (0 <= start[0] < rows and 0 <= start[1] < cols):
-                came = f"[{start[0]}, {start[1]}] came"
-                map_is = f"rows 0 to {rows - 1} and columns 0 to {cols - 1}"
-                faults.add(key, came, f"expected a cell of the map, which has {map_is}")
-            else:
-                places.append(streets.graph.grid.centres_m[streets.graph.grid.index((start[0], start[1]))])
+        elif streets is not None and (cell := _start(faults, key, start, streets)) is not None:
+            places.append(streets.graph.grid.centres_m[streets.graph.grid.index(cell)])
     return np.array(places, float) if len(places) == len(given) else None
+
+
+def _start(faults: Faults, key: str, said: Sequence[int] | Place, streets: StreetMap) -> tuple[int, int] | None:
+    """The cell of the map in which an agent starts."""
+    if isinstance(said, Place):
+        missing = [name for name in ("lat", "lon") if name not in said.model_fields_set]
+        if missing:
+            faults.add(f"{key}.{missing[0]}", "nothing came", "expected degrees: lat and lon make a place together")
+            return None
+        try:
+            row, col = streets.cell_at(said.lat, said.lon)
+        except InvalidProblemError as error:
+            faults.add(key, str(error), "expected [row, col], or streets with their place on the globe")
+            return None
+        came = f"lat {said.lat:g}, lon {said.lon:g}, which is [{row}, {col}], came"
+    else:
+        row, col = said
+        came = f"[{row}, {col}] came"
+    rows, cols = streets.graph.grid.shape
+    if not (0 <= row < rows and 0 <= col < cols):
+        map_is = f"rows 0 to {rows - 1} and columns 0 to {cols - 1}"
+        faults.add(key, came, f"expected a cell of the map, which has {map_is}")
+        return None
+    return row, col
 
 
 def _seconds(faults: Faults, settings: Settings) -> tuple[int, int]:
