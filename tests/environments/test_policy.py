@@ -1,13 +1,14 @@
 """A policy flies in `simulate` as in the environment, and a strategy in the environment as in `simulate`."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from sooner.environments import PolicyStrategy, SearchEnv, StrategyPolicy
 from sooner.errors import InvalidProblemError
-from sooner.simulation import load_episode, save_episode, simulate
+from sooner.simulation import Estimator, load_episode, save_episode, simulate
 from sooner.simulation.strategies import Information, RandomWaypoints, make_strategy
 from tests.environments.small import assert_same_flight, flown, scene, wandering
 
@@ -59,6 +60,9 @@ class Watcher:
     def watch(self, cells, target_ratios):
         self.shown[-1].append((cells.copy(), target_ratios.copy()))
 
+    def found(self, cell):
+        self.shown[-1].append(cell)
+
     def routes(self, situation):
         self.shown[-1].append([route.round(9) for route in situation.routes])
         way = np.array([[10.0, 10.0], [50.0, 50.0], [50.0, 50.0], [90.0, 10.0], [10.0, 90.0]])
@@ -66,15 +70,18 @@ class Watcher:
 
 
 def test_sessions_are_told_in_an_environment_what_they_are_told_in_simulate():
-    """What is left of their routes, and, if they believe for themselves, every second's looks once."""
+    """What is left of their routes and, if they believe for themselves, every second's looks once and what is found."""
     here, there = Watcher(), Watcher()
-    env = SearchEnv(scene(22), waypoints=7, capture=0.5)
+    search = replace(scene(62, n_targets=3), estimator=Estimator(tracks="each"))
+    env = SearchEnv(search, waypoints=7, capture=0.5)
     policy = StrategyPolicy(here, env)
+    n_calls = []
     for seed in (3, 4):
         flown(env, policy, seed=seed)
-        simulate(scene(22), there, seed)
-    for one, other in zip(here.shown, there.shown, strict=True):
-        assert len(one) == 22 + 5
+        n_calls.append(len(simulate(search, there, seed).calls))
+    assert sum(n_calls) > 0
+    for one, other, found in zip(here.shown, there.shown, n_calls, strict=True):
+        assert len(one) == 62 + 13 + found
         np.testing.assert_equal(one, other)
 
 

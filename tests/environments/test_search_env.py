@@ -70,6 +70,16 @@ def test_a_policy_is_shown_what_the_team_believes():
     assert not np.shares_memory(observation["maps"], situation.states.void)
 
 
+def test_a_policy_is_shown_where_looks_may_be_in_vain():
+    glimpse = np.linspace(0.1, 0.9, 400)
+    shaded = SearchEnv(replace(scene(), glimpse=glimpse))
+    rewards, _, observations = flown(shaded, wandering(), seed=0)
+    for observation in observations:
+        np.testing.assert_allclose(observation["maps"][4].ravel(), glimpse, atol=1e-6)
+    assert sum(rewards) == pytest.approx(shaded.episode.e, rel=0, abs=1e-12)
+    assert (flown(SearchEnv(scene()), wandering(), seed=0)[2][0]["maps"][4] == 1.0).all()
+
+
 def test_an_action_is_a_place_on_the_ground():
     """West is -1 and south is -1: an agent sent to a corner hovers there."""
     env = SearchEnv(scene(seconds=80, replan_s=80))

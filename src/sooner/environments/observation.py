@@ -12,9 +12,9 @@ from sooner.simulation.strategies import Situation
 __all__ = ["FARTHEST", "MAPS", "Observation", "observed", "seen_by"]
 
 Observation = dict[str, NDArray[np.float32]]
-"""maps (4, H, W), agents (A, 6), time_left (1,), detected (1,): see `observed`."""
+"""maps (5, H, W), agents (A, 6), time_left (1,), detected (1,): see `observed`."""
 
-MAPS = ("void", "occupied", "explored", "nodes")
+MAPS = ("void", "occupied", "explored", "nodes", "glimpse")
 FARTHEST = 2.0  # shares of the ground; agents that overshoot its edge by more are shown there
 
 
@@ -28,14 +28,16 @@ def observed(situation: Situation) -> Observation:
     Returns
     -------
     dict of float32 arrays
-        maps : (4, H, W)       P(void), P(occupied), explored (0 or 1), node detected (0 or 1); row 0 is north
+        maps : (5, H, W)       P(void), P(occupied), explored (0 or 1), node detected (0 or 1), P(a look sees the cell);
+                               row 0 is north
         agents : (A, 6)        place east and north, and the next waypoint's, as shares of the ground, -1 to 1 from edge
                                to edge; between them velocity east and north over the agent's greatest speed
         time_left : (1,)       share of the mission
         detected : (1,)        1 if the detector has called, 0 before
     """
     states, (height, width) = situation.states, situation.grid.shape
-    maps = np.stack([states.void, states.occupied, states.explored, states.nodes]).astype(np.float32)
+    glimpse = np.ones(len(states.void)) if situation.glimpse is None else situation.glimpse
+    maps = np.stack([states.void, states.occupied, states.explored, states.nodes, glimpse]).astype(np.float32)
     return {
         "maps": maps.reshape(len(MAPS), height, width),
         "agents": _agents(situation).astype(np.float32),

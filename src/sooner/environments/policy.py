@@ -124,7 +124,5 @@ class StrategyPolicy:
         if turns is not self._turns:
             self._turns = turns
             self._session = self._strategy.session(turns.situation, generator(turns.seed, Purpose.STRATEGY))
-            watch = getattr(self._session, "watch", None)
-            if watch is not None:
-                turns.shown_to(watch)
+            turns.shown_to(self._session)
         return action_of(self._session.routes(turns.situation), turns.situation, self._env.waypoints)

@@ -29,7 +29,7 @@ class SearchEnv(gymnasium.Env[Observation, ArrayLike]):
 
     Action        (A, K, 2) from -1 to 1: the next K waypoints of each agent, east and north, as shares of the ground
                   from edge to edge. They are flown for the scene's `replan_s`; at the last an agent hovers.
-    Observation   dict of float32: `maps` (4, H, W), `agents` (A, 6), `time_left` (1,), `detected` (1,), all that the
+    Observation   dict of float32: `maps` (5, H, W), `agents` (A, 6), `time_left` (1,), `detected` (1,), all that the
                   team believes and nothing else; see `observed`.
     Reward        by how much E grew, [Wolek2020, eq. (20)]: the return is the `Episode`'s E. What is in view at the
                   start is in the first reward. Where no target is, E is its half that nodes make.
@@ -60,7 +60,7 @@ class SearchEnv(gymnasium.Env[Observation, ArrayLike]):
     >>> env = SearchEnv(generated_scenes([0, 1], seconds=60))
     >>> observation, info = env.reset(seed=3)
     >>> observation["maps"].shape, info["seed"]
-    ((4, 40, 40), 3)
+    ((5, 40, 40), 3)
     >>> total, over = 0.0, False
     >>> while not over:
     ...     observation, reward, over, _, info = env.step(env.action_space.sample())

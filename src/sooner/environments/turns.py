@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
@@ -13,13 +11,11 @@ from sooner.grid import Grid
 from sooner.simulation import Agent, Episode, Keep, Scene
 from sooner.simulation.in_flight import Flight
 from sooner.simulation.loop import Record, command_of
-from sooner.simulation.strategies import Routes, Situation
+from sooner.simulation.strategies import Routes, Session, Situation
 
 __all__ = ["CAPTURE", "Turns"]
 
 CAPTURE = 2.0 / 3.0  # as `Information` has it; with one waypoint a turn it changes nothing
-
-Watch = Callable[[NDArray[np.int32], NDArray[np.float64]], None]
 
 
 class Turns:
@@ -78,10 +74,9 @@ class Turns:
         """The search as far as it has come, by a strategy that no file can name."""
         return self._record.episode(self.flight, self._command, None, self.seed)
 
-    def shown_to(self, watch: Watch) -> None:
-        """Show this second's looks to a session that keeps a belief of its own, and those of every second to come."""
-        self._only.watcher = watch
-        watch(self.flight.log.newest_cells, self._command.belief.newest_ratios)
+    def shown_to(self, session: Session) -> None:
+        """Show a session all that a command post shows its own, from this second on."""
+        self._only.seat(session)
 
     @property
     def _only(self) -> _Seat:
@@ -116,7 +111,9 @@ class _Seat:
 
     def __init__(self, situation: Situation) -> None:
         self.situation = situation
-        self.watcher: Watch | None = None
+        self._guest: Session | None = None
+        self._looks: tuple[NDArray[np.int32], NDArray[np.float64]] | None = None
+        self._finds: list[int] = []
 
     def routes(self, situation: Situation) -> Routes:
         """Unchanged."""
@@ -124,6 +121,24 @@ class _Seat:
         return situation.routes
 
     def watch(self, cells: NDArray[np.int32], target_ratios: NDArray[np.float64]) -> None:
-        """Pass on each second's looks."""
-        if self.watcher is not None:
-            self.watcher(cells, target_ratios)
+        """Take down a second's looks and pass them on."""
+        self._looks, self._finds = (cells, target_ratios), []
+        watch = getattr(self._guest, "watch", None)
+        if watch is not None:
+            watch(cells, target_ratios)
+
+    def found(self, cell: int) -> None:
+        """Take down that a target was found, after the looks of that second, and pass it on."""
+        self._finds.append(cell)
+        found = getattr(self._guest, "found", None)
+        if found is not None:
+            found(cell)
+
+    def seat(self, guest: Session) -> None:
+        """Pass all on to a session from now on, this second's first."""
+        self._guest = guest
+        if self._looks is not None:
+            finds = self._finds
+            self.watch(*self._looks)
+            for cell in finds:
+                self.found(cell)
