@@ -26,8 +26,8 @@ def fences(
     """Fences that a flight does not come near, and what is left out.
 
     The outline of the free ground that hangs together with the flight is to stay in, the obstacles within it are to
-    stay out of. A fence is left out where the flight comes within `CLEAR_M` of it, and where they have too many corners
-    in all: the largest stay. Without obstacles there is none: the edge of a map forbids nothing.
+    stay out of, the largest first. A fence is left out that has more corners than are left of `MOST_CORNERS`, and one
+    that the flight comes within `CLEAR_M` of. Without obstacles there is none: the edge of a map forbids nothing.
 
     Parameters
     ----------
@@ -42,11 +42,21 @@ def fences(
         return (), (f"no fences: the borders of the obstacles turn more than {MOST_TRACED:,} times",)
     outline, holes = _outlines(free, line)
     rings = [(outline, True), *((hole, False) for hole in sorted(holes, key=_area, reverse=True))]
-    few = int(np.searchsorted(np.cumsum([len(ring) for ring, _ in rings]), MOST_CORNERS, "right"))
+    few = _fitting(rings)
     flown = np.concatenate([line, line[:1]]) if closed else line
-    kept = [each for each in rings[:few] if _apart(flown, each[0]) * grid.cell_m >= CLEAR_M]
+    kept = [each for each in few if _apart(flown, each[0]) * grid.cell_m >= CLEAR_M]
     made = tuple(Fence(_places(ground, ring), inclusion) for ring, inclusion in kept)
-    return made, _told(len(rings), few - len(kept), len(rings) - few)
+    return made, _told(len(rings), len(few) - len(kept), len(rings) - len(few))
+
+
+def _fitting(rings: list[tuple[Ring, bool]]) -> list[tuple[Ring, bool]]:
+    """One after the other, those that autopilots still have memory for."""
+    few, corners = [], 0
+    for each in rings:
+        if corners + len(each[0]) <= MOST_CORNERS:
+            few.append(each)
+            corners += len(each[0])
+    return few
 
 
 def _places(ground: Georeference, ring: Ring) -> tuple[tuple[float, float], ...]:
@@ -64,7 +74,7 @@ def _told(count: int, near: int, many: int) -> tuple[str, ...]:
     if near:
         told.append(f"{near} of {count} fences are left out: the flight comes within {CLEAR_M:g} m of them")
     if many:
-        told.append(f"{many} of {count} fences are left out: all together have more than {MOST_CORNERS} corners")
+        told.append(f"{many} of {count} fences are left out: they have more than {MOST_CORNERS} corners in all")
     return tuple(told)
 
 
