@@ -165,7 +165,7 @@ def test_what_is_no_archive_is_refused(tmp_path, data):
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path):
-    with pytest.raises(DataFormatError, match="No such file"):
+    with pytest.raises(DataFormatError, match="no such file"):
         load_episode(tmp_path / "none.npz")
 
 
@@ -182,7 +182,7 @@ def test_an_array_that_says_it_is_larger_than_it_is_is_refused(tmp_path, shape):
 
 
 def test_too_much_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
-    monkeypatch.setattr("sooner.simulation.episode_file.MOST_BYTES", 1000)
+    monkeypatch.setattr("sooner.io.arrays.MOST_BYTES", 1000)
     save_episode(FLOWN, tmp_path / "e.npz")
     with pytest.raises(DataFormatError, match="bytes, came"):
         load_episode(tmp_path / "e.npz")

@@ -22,7 +22,6 @@ __all__ = ["simulate"]
 MOST_TRIALS = 1_000_000
 TELL_S = 5.0
 MOST_TOLD = 10  # targets
-LEAST_FRAME_S, FRAMES = 4, 60  # of an animation
 
 T = TypeVar("T")
 
@@ -72,8 +71,7 @@ def _refuse(option: str, came: Any, instead: str) -> None:
 
 def _streets(mission: StreetMission, asked: Asked, folder: Folder, as_json: bool, quiet: bool) -> int:
     from sooner.missions.street_trials import COLUMNS, StreetTrials, episode_of, fly_streets, strategy_named
-    from sooner.simulation import save_episode
-    from sooner.simulation.picture import animation_of, picture_of
+    from sooner.simulation.episodes import animation_of, picture_of, save_episode
 
     name, strategy = strategy_named(asked.strategy)
     folder.check("trials.csv", "simulation.json", *episode_files(asked))
@@ -92,7 +90,7 @@ def _streets(mission: StreetMission, asked: Asked, folder: Folder, as_json: bool
             "episode.png": picture_of(episode),
         }
         if asked.animate:
-            files["episode.gif"] = animation_of(episode, max(LEAST_FRAME_S, -(-episode.seconds // FRAMES)))
+            files["episode.gif"] = animation_of(episode)
         folder.write(files)
     if as_json:
         print(json.dumps(result, allow_nan=False))
@@ -166,7 +164,7 @@ def _tell_each(trials: Any) -> None:
     """What the trials say of several targets."""
     means = trials.means()
     for number, (share, after) in enumerate(trials.by_target()[:MOST_TOLD], 1):
-        print(f"    target {number:<4} {'':22} {share.told(4)}, after {after.told(1, ' s')}")
+        print(f"    target {number:<4} {'':21} {share.told(4)}, after {after.told(1, ' s')}")
     print(f"  all of them by the end              {means['all_targets_detected'].told(4)}")
     print(f"  the last of them, if all, after     {means['all_detected_after_s'].told(1, ' s')}")
     print(f"  repeated detections of a target     {means['repeated_detections'].told(4)} a flight")

@@ -19,8 +19,8 @@ from sooner.missions.plan_episodes import plan_episode
 from sooner.missions.plan_trials import COLUMNS, PlanTrials, fly_plan
 from sooner.missions.planning import Planned, plan_file
 from sooner.missions.replanned import check_replanning, fly_replanned
+from sooner.simulation.episodes import animation_of, picture_of
 from sooner.simulation.plan_episode_file import plan_episode_npz
-from sooner.simulation.plan_picture import animated_plan, plan_episode_picture
 
 __all__ = ["simulate_plan"]
 
@@ -67,8 +67,8 @@ def simulate_plan(mission_file: Path, asked: Asked, folder: Folder, as_json: boo
 def _episode(planned: Planned, every: float | None, asked: Asked) -> dict[str, bytes]:
     """The first flight, kept whole."""
     episode = plan_episode(planned.score.mission, planned.score.plan, asked.seed, planned.planner, every)
-    files = {"episode.npz": plan_episode_npz(episode), "episode.png": plan_episode_picture(episode)}
-    return files | {"episode.gif": animated_plan(episode)} if asked.animate else files
+    files = {"episode.npz": plan_episode_npz(episode), "episode.png": picture_of(episode)}
+    return files | {"episode.gif": animation_of(episode)} if asked.animate else files
 
 
 def _every(mission: Mission, wanted: float) -> float:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sooner.errors import DataFormatError, Fault, InvalidProblemError
 from sooner.io.reading import opened
 
-__all__ = ["Arrays", "array_like", "arrays_npz", "read_arrays"]
+__all__ = ["Arrays", "array_like", "arrays_npz", "has_array", "read_arrays"]
 
 MOST_BYTES = 2_000_000_000  # of all arrays together, unpacked
 Arrays = dict[str, NDArray[Any]]
@@ -28,6 +28,15 @@ def arrays_npz(arrays: Mapping[str, NDArray[Any]]) -> bytes:
     file = io.BytesIO()
     np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
     return file.getvalue()
+
+
+def has_array(path: Path, name: str) -> bool:
+    """Whether a file is an .npz with an array of that name."""
+    try:
+        with opened(path) as file, zipfile.ZipFile(file) as archive:
+            return f"{name}.npy" in archive.namelist()
+    except (OSError, zipfile.BadZipFile, NotImplementedError, RuntimeError):
+        return False
 
 
 def read_arrays(path: Path, needed: Collection[str], possible: Collection[str], expected: str) -> Arrays:

@@ -2,10 +2,12 @@
 
 from sooner.simulation.agents import Agent, Team, flight
 from sooner.simulation.episode import Beliefs, Call, Episode, Looks
-from sooner.simulation.episode_file import load_episode, replayed, save_episode
+from sooner.simulation.episode_file import replayed
+from sooner.simulation.episodes import load_episode, save_episode
 from sooner.simulation.estimation import Estimator
 from sooner.simulation.links import Links
 from sooner.simulation.loop import Keep, simulate
+from sooner.simulation.plan_episode import PlanEpisode
 from sooner.simulation.scene import Scene
 from sooner.simulation.sensing import HALF_CELL, Sensing
 from sooner.simulation.world import World
@@ -20,6 +22,7 @@ __all__ = [
     "Keep",
     "Links",
     "Looks",
+    "PlanEpisode",
     "Scene",
     "Sensing",
     "Team",

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import io
 import json
-import zipfile
-import zlib
 from itertools import pairwise
-from math import prod
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.lib import format as npy
-from numpy.typing import NDArray
 
 from sooner.errors import DataFormatError, Fault, InvalidProblemError
+from sooner.io.arrays import Arrays, array_like, arrays_npz, read_arrays
 from sooner.simulation.episode import Beliefs, Call, Episode, Looks
 from sooner.simulation.loop import Keep, simulate
 from sooner.simulation.scene import Scene
@@ -24,9 +18,6 @@ from sooner.simulation.scene_description import described, scene_of, strategy_of
 __all__ = ["load_episode", "replayed", "save_episode"]
 
 FORMAT = "sooner episode 1"
-MOST_BYTES = 2_000_000_000  # of all arrays together, unpacked
-Arrays = dict[str, NDArray[Any]]
-
 _ALWAYS = (
     "about", "cells", "edges", "node_places_m", "targets", "places_m", "node_seconds", "sums", "calls", "waypoints",
     "route_lengths",
@@ -72,8 +63,7 @@ def save_episode(episode: Episode, path: Path) -> None:
         arrays[_BY_AGENT] = episode.agents_node_seconds
     if len(episode.followed):
         arrays[_FOLLOWED] = episode.followed
-    with path.open("wb") as file:
-        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+    path.write_bytes(arrays_npz(arrays))
 
 
 def load_episode(path: Path) -> Episode:
@@ -83,7 +73,8 @@ def load_episode(path: Path) -> Episode:
     ------
     DataFormatError      missing, too large, not an episode, or one that contradicts itself
     """
-    arrays = _read(path)
+    kept = (*(f"looks_{name}" for name in _LOOKS), *(f"beliefs_{name}" for name in _BELIEFS))
+    arrays = read_arrays(path, _ALWAYS, (_BY_AGENT, _FOLLOWED, _GLIMPSE, *kept), _EXPECTED)
     try:
         return _episode(arrays)
     except (ValueError, RecursionError, KeyError, TypeError) as error:  # InvalidProblemError is a ValueError
@@ -104,51 +95,6 @@ def replayed(episode: Episode) -> Episode:
         apart = np.diff(episode.beliefs.seconds)
         beliefs_s = int(apart[0]) if len(apart) else episode.seconds
     return simulate(episode.scene, episode.strategy, episode.seed, Keep(episode.looks is not None, beliefs_s))
-
-
-def _read(path: Path) -> Arrays:
-    """The arrays of an .npz, none of them of objects, and none larger than it says."""
-    kept = {*(f"looks_{name}" for name in _LOOKS), *(f"beliefs_{name}" for name in _BELIEFS)}
-    names = {*_ALWAYS, _BY_AGENT, _FOLLOWED, _GLIMPSE, *kept}
-    arrays: Arrays = {}
-    try:
-        with zipfile.ZipFile(path) as archive:
-            parts = archive.infolist()
-            if len(parts) > len(names) or sum(part.file_size for part in parts) > MOST_BYTES:
-                raise DataFormatError(
-                    Fault(str(path), "", f"{len(parts)} parts, or more than {MOST_BYTES:g} bytes, came", _EXPECTED)
-                )
-            for part in parts:
-                name = part.filename.removesuffix(".npy")
-                if name not in names:
-                    raise DataFormatError(Fault(str(path), name, "a part of that name came", _EXPECTED))
-                arrays[name] = _array(path, name, archive.read(part))
-    except OSError as error:
-        raise DataFormatError(
-            Fault(str(path), "", f"it cannot be read ({error.strerror or error})", _EXPECTED)
-        ) from None
-    except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError) as error:
-        raise DataFormatError(Fault(str(path), "", f"it is not an .npz ({error})", _EXPECTED)) from None
-    missing = [name for name in _ALWAYS if name not in arrays]
-    if missing:
-        raise DataFormatError(*(Fault(str(path), name, "it is missing", _EXPECTED) for name in missing))
-    return arrays
-
-
-def _array(path: Path, name: str, data: bytes) -> NDArray[Any]:
-    file = io.BytesIO(data)
-    try:
-        version = npy.read_magic(file)
-        if version not in ((1, 0), (2, 0)):
-            raise ValueError(f"version {version}")
-        header = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-        shape, fortran, kind = header(file)
-        sound = kind.kind in "biuf" and min(shape, default=0) >= 0 and not (fortran and len(shape) > 1)
-        if not sound or prod(shape) * kind.itemsize != len(data) - file.tell():
-            raise ValueError(f"shape {shape} of {kind}")
-    except ValueError as error:
-        raise DataFormatError(Fault(str(path), name, f"it is no array of numbers ({error})", _EXPECTED)) from None
-    return np.frombuffer(data, kind, offset=file.tell()).reshape(shape).copy()
 
 
 def _episode(arrays: Arrays) -> Episode:
@@ -181,51 +127,37 @@ def _check(arrays: Arrays, scene: Scene) -> None:
     """Refuse arrays that do not belong together."""
     T, A, M = scene.seconds, len(scene.agents), scene.grid.n_cells
     N, Q = scene.world.graph.n_nodes, scene.world.n_targets
-    _expect("targets", arrays, "i", (T + 1, Q), 0, N - 1)
-    _expect("places_m", arrays, "f", (T + 1, A, 2))
-    _expect("node_seconds", arrays, "i", (M,), -1, T - 1)
+    array_like(arrays, "targets", "i", (T + 1, Q), 0, N - 1)
+    array_like(arrays, "places_m", "f", (T + 1, A, 2))
+    array_like(arrays, "node_seconds", "i", (M,), -1, T - 1)
     if _BY_AGENT in arrays:
-        _expect(_BY_AGENT, arrays, "i", (A, M), -1, T - 1)
-    _expect("sums", arrays, "f", (T,), 0.0)
-    calls = _expect("calls", arrays, "i", (None, 3), -1)
+        array_like(arrays, _BY_AGENT, "i", (A, M), -1, T - 1)
+    array_like(arrays, "sums", "f", (T,), 0.0)
+    calls = array_like(arrays, "calls", "i", (None, 3), -1)
     if len(calls) and not (calls.min(axis=0) >= [0, 0, -1]).all() & (calls.max(axis=0) < [T, M, max(Q, 1)]).all():
         raise InvalidProblemError("calls out of the mission's seconds, cells or targets came")
     if _FOLLOWED in arrays:
-        followed = _expect(_FOLLOWED, arrays, "i", (None, 3), 0)
+        followed = array_like(arrays, _FOLLOWED, "i", (None, 3), 0)
         if len(followed) and not (followed.max(axis=0) < [T, T * A + 1, M]).all():
             raise InvalidProblemError("targets followed out of the mission's seconds or cells came")
-    lengths = _expect("route_lengths", arrays, "i", (None,), 0, 1_000_000)
-    _expect("waypoints", arrays, "f", (int(lengths.sum()), 2))
+    lengths = array_like(arrays, "route_lengths", "i", (None,), 0, 1_000_000)
+    array_like(arrays, "waypoints", "f", (int(lengths.sum()), 2))
     if len(lengths) % A:
         raise InvalidProblemError(f"{len(lengths)} routes came for {A} agents")
     if any(name.startswith("looks_") for name in arrays):
         _check_looks(arrays, T, A, M)
     if any(name.startswith("beliefs_") for name in arrays):
-        B = len(_expect("beliefs_seconds", arrays, "i", (None,), 0, T - 1))
+        B = len(array_like(arrays, "beliefs_seconds", "i", (None,), 0, T - 1))
         for name in ("void", "occupied"):
-            _expect(f"beliefs_{name}", arrays, "f", (B, M), 0.0, 1.0)
-        _expect("beliefs_explored", arrays, "b", (B, M))
+            array_like(arrays, f"beliefs_{name}", "f", (B, M), 0.0, 1.0)
+        array_like(arrays, "beliefs_explored", "b", (B, M))
 
 
 def _check_looks(arrays: Arrays, T: int, A: int, M: int) -> None:
-    cells = _expect("looks_cells", arrays, "i", (None,), 0, M - 1)
-    firsts = _expect("looks_firsts", arrays, "i", (T + 1,), 0, len(cells))
+    cells = array_like(arrays, "looks_cells", "i", (None,), 0, M - 1)
+    firsts = array_like(arrays, "looks_firsts", "i", (T + 1,), 0, len(cells))
     if firsts[0] != 0 or firsts[-1] != len(cells) or (np.diff(firsts) < 0).any():
         raise InvalidProblemError("looks whose seconds do not follow one another came")
-    _expect("looks_agents", arrays, "i", cells.shape, 0, A - 1)
+    array_like(arrays, "looks_agents", "i", cells.shape, 0, A - 1)
     for name in ("looks_map_levels", "looks_target_levels"):
-        _expect(name, arrays, "i", cells.shape, 0)
-
-
-def _expect(
-    name: str, arrays: Arrays, kind: str, shape: tuple[int | None, ...], least: float = -np.inf, most: float = np.inf
-) -> NDArray[Any]:
-    array = arrays[name]
-    fits = array.ndim == len(shape) and all(
-        want is None or have == want for have, want in zip(array.shape, shape, strict=True)
-    )
-    if array.dtype.kind != kind or not fits:
-        raise InvalidProblemError(f"{name} of type {array.dtype} and shape {array.shape} came; expected {shape}")
-    if array.size and kind != "b" and not (least <= array.min() and array.max() <= most and np.isfinite(array).all()):
-        raise InvalidProblemError(f"{name} with numbers that are not between {least} and {most} came")
-    return array
+        array_like(arrays, name, "i", cells.shape, 0)
