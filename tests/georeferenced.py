@@ -6,6 +6,9 @@ import numpy as np
 
 from sooner.io.georeference import Georeference
 from sooner.io.geotiff import geotiff
+from sooner.missions import Mission, Score, score_plan
+from sooner.planners import solve
+from sooner.planners.registry import make_planner
 
 DOLOMITES = Georeference("EPSG:32632", (720_000.0, 5_150_000.0), 24.0, 24.0)
 
@@ -68,3 +71,8 @@ def rocks(rows: int = 12, cols: int = 16) -> np.ndarray:
     stones[4:8, 5:8] = 1
     stones[:2, 12:] = 1
     return stones
+
+
+def greedily(mission: Mission) -> Score:
+    """Some plan, made at once and without a bound."""
+    return score_plan(mission, solve(mission.problem, make_planner("greedy")).best.plan)

@@ -43,7 +43,8 @@ def test_json_tells_files_flights_and_notes(sooner, ridge):
     ]
     (searcher,) = told.json["searchers"]
     assert (searcher["waypoints"], searcher["altitude_m"], searcher["finish"]) == (5, 80.0, "return")
-    assert told.json["notes"] == []
+    (note,) = told.json["notes"]
+    assert "count no time for corners, of which it has 3" in note
 
 
 def test_maps_are_those_of_the_judge(sooner, ridge):
@@ -143,7 +144,7 @@ def test_a_name_that_means_harm_is_only_a_name(sooner, tmp_path):
 
 def test_plan_writes_what_it_is_asked_for_beside_its_plan(sooner, ridge):
     ended = sooner(
-        *("plan", ridge, "--seconds", "1", "--planner", "greedy"),
+        *("plan", ridge, "--seconds", "0.2", "--planner", "greedy"),
         *("--format", "qgc,csv", "--format", "geotiff", "--json"),
     )
     assert ended.status == 0
@@ -158,7 +159,7 @@ def test_plan_writes_what_it_is_asked_for_beside_its_plan(sooner, ridge):
 
 def test_a_plan_is_kept_that_no_file_can_fly(sooner, tmp_path):
     mission = located(tmp_path, over_cells("[[searcher]]\nstart = [3, 3]\n", 1), hills())
-    ended = sooner("plan", mission, "--seconds", "1", "--planner", "greedy", "--format", "dji")
+    ended = sooner("plan", mission, "--seconds", "0.2", "--planner", "greedy", "--format", "dji")
     assert ended.status == 2
     assert "has no speed, which dji expects" in ended.err
     assert "finds the person" in ended.out

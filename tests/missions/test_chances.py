@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from sooner.errors import UnsupportedProblemError
-from sooner.missions import plan_mission, read_mission
+from sooner.missions import read_mission
 from sooner.missions.chances import LAYERS, chances
 from sooner.sensors import miss_after_looks
-from tests.georeferenced import hills, located, over_cells, over_regions
+from tests.georeferenced import greedily, hills, located, over_cells, over_regions
 
 HOME = "[[searcher]]\nstart = [3, 3]\nspeed_mps = 12.0\n"
 
 
 def planned(tmp_path, text, **rasters):
-    return plan_mission(read_mission(located(tmp_path, text, 0.9 * hills(), **rasters)), "greedy", seconds=1).score
+    return greedily(read_mission(located(tmp_path, text, 0.9 * hills(), **rasters)))
 
 
 @pytest.mark.parametrize("sensor", ["glimpse = 0.6", 'difficulty = "hard.tif"', "glimpse = 1.0", "glimpse = 0.0"])
@@ -51,4 +51,4 @@ def test_where_targets_come_and_go_nobody_is_found(tmp_path):
     text = over_regions("start = [3, 3]\n").replace(sensor, 'model = "beta"')
     mission = read_mission(located(tmp_path, text, np.full((12, 16), 0.4)))
     with pytest.raises(UnsupportedProblemError, match="geotiff expects looks that detect"):
-        chances(plan_mission(mission, "greedy", seconds=1).score)
+        chances(greedily(mission))

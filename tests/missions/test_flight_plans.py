@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from sooner.errors import DataFormatError
 from sooner.grid import rows_and_cols
 from sooner.io.georeference import Georeference
-from sooner.missions import plan_mission, read_mission, score_plan
+from sooner.missions import read_mission, score_plan
 from sooner.missions.flight_plans import flights
 from sooner.missions.over_regions import dynamics_of
 from sooner.problem import Plan
 from sooner.problem.regions import RegionMoves
-from tests.georeferenced import DOLOMITES, hills, located, over_cells, over_regions, rocks
+from tests.georeferenced import DOLOMITES, greedily, hills, located, over_cells, over_regions, rocks
 
 HOME = "[[searcher]]\nstart = [3, 3]\nspeed_mps = 12.0\n"
 
@@ -63,6 +63,15 @@ def test_a_wait_is_a_hold_where_it_happens(tmp_path):
     (plan,) = flown(mission, [(3, 3), (3, 3), (3, 4), (3, 5), (3, 5), (3, 5), (3, 6)]).plans
     assert [each.hold_s for each in plan.waypoints] == [2.0, 4.0, 0.0]
     np.testing.assert_allclose(cells_of(plan), [[3, 3], [3, 5], [3, 6]], atol=1e-4)
+
+
+def test_corners_that_a_plan_over_cells_does_not_count_are_told_of(tmp_path):
+    mission = read_mission(located(tmp_path, over_cells(HOME + "end = [4, 4]"), hills()))
+    note = flown(mission, [(3, 3), (3, 4), (4, 4)]).notes[0]
+    assert "drone 0: the plan's 4 s count no time for corners, of which it has 1; " in note
+    assert note.endswith("takes 14 s")  # two legs of 24 m, 2 sqrt(24 / 2) s each
+    straight = read_mission(located(tmp_path, over_cells(HOME + "end = [3, 5]"), hills()))
+    assert not [note for note in flown(straight, [(3, 3), (3, 4), (3, 5)]).notes if "corners" in note]
 
 
 def test_a_wait_needs_a_speed(tmp_path):
@@ -161,7 +170,7 @@ def test_a_camera_says_how_high(tmp_path):
     text = over_regions("start = [3, 3]\n").replace("radius_m = 40.0", camera)
     for own, height, notes in (("", 70.0, 0), ("altitude_m = 90.0\n", 90.0, 1)):
         mission = read_mission(located(tmp_path, text.replace("[[searcher]]\n", f"[[searcher]]\n{own}"), 0.9 * hills()))
-        made = flights(plan_mission(mission, "greedy", seconds=1).score)
+        made = flights(greedily(mission))
         assert made.plans[0].waypoints[0].altitude_m == height
         assert sum("worked out for 70 m" in note for note in made.notes) == notes
 
@@ -184,7 +193,7 @@ def test_over_regions_the_line_is_the_one_that_is_timed(tmp_path, end):
     area = 'obstacles = "rocks.tif"'
     text = over_regions(f"start = [3, 3]\n{end}", area=area)
     mission = read_mission(located(tmp_path, text, 0.05 + 0.9 * hills() / 2, rocks=rocks()))
-    score = plan_mission(mission, "greedy", seconds=1).score
+    score = greedily(mission)
     (plan,) = flights(score).plans
     moves = mission.problem.searcher.moves
     assert isinstance(moves, RegionMoves)
@@ -215,7 +224,7 @@ def _off(place, begin, end):
 def test_arcs_that_an_aircraft_does_not_fly_take_longer_and_say_so(tmp_path):
     theta = np.full((60, 60), 0.5)
     rounded = over_regions("start = [3, 3]\n", seconds=900, regions='turns = "rounded"')
-    score = plan_mission(read_mission(located(tmp_path, rounded, theta)), "greedy", seconds=1).score
+    score = greedily(read_mission(located(tmp_path, rounded, theta)))
     made = flights(score)
     late = made.plans[0].duration_s - score.durations[0]
     assert late > 1.0
@@ -225,7 +234,7 @@ def test_arcs_that_an_aircraft_does_not_fly_take_longer_and_say_so(tmp_path):
 def test_a_drone_flies_no_faster_than_its_sensors_let_it(tmp_path):
     text = over_regions("start = [3, 3]\n").replace("radius_m = 40.0", "radius_m = 40.0\nrange_m = 16.0")
     mission = read_mission(located(tmp_path, text, 0.9 * hills()))
-    (plan,) = flights(plan_mission(mission, "greedy", seconds=1).score).plans
+    (plan,) = flights(greedily(mission)).plans
     assert plan.speed_mps == pytest.approx(8.0)  # stops within 16 m at 2 m/s2
 
 
@@ -258,7 +267,5 @@ def test_a_height_that_nothing_flies_at_is_refused_by_name(tmp_path):
     camera = "camera = { fov_deg = 1, altitude_m = 20000.0, pixels = 4000, exposure_s = 0.000001 }"
     text = over_regions("start = [3, 3]\n").replace("radius_m = 40.0", camera)
     mission = read_mission(located(tmp_path, text, 0.9 * hills()))
-    with pytest.raises(
-        DataFormatError, match=r"searcher\[0\]: an altitude of 20000.0 came; expected 0 to 10000 m"
-    ):
-        flights(plan_mission(mission, "greedy", seconds=1).score)
+    with pytest.raises(DataFormatError, match=r"searcher\[0\]: an altitude of 20000.0 came; expected 0 to 10000 m"):
+        flights(greedily(mission))

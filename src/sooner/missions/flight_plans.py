@@ -17,12 +17,13 @@ from sooner.missions.mission_file import Mission
 from sooner.missions.over_regions import dynamics_of
 from sooner.missions.score import Score
 from sooner.missions.settings import Place as OnGlobe
-from sooner.motion.kinematics import corners
+from sooner.motion.kinematics import Dynamics, corners
 from sooner.problem.regions import RegionMoves
 
 __all__ = ["USUAL_M", "Flights", "check_place", "flights"]
 
 USUAL_M = 60.0  # above home, where neither the drone nor the camera has an altitude
+USUAL_MPS2 = 2.0  # by which copters speed up and brake, where nobody says
 TRUE_TO = 0.01  # share by which a metre of the projection may differ from one on the ground, untold
 
 Floats = NDArray[np.float64]
@@ -188,7 +189,26 @@ def _over_cells(score: Score, number: int) -> _Line:
     cells = np.column_stack(np.divmod(actions[moved], mission.problem.grid.shape[1])).astype(np.float64)
     hold_s = waited * (mission.step_s or 0.0)
     seconds = None if score.durations is None else score.durations[number]
-    return _straightened(_Line(cells, hold_s, mission.settings.searcher[number].speed_mps, seconds))
+    line = _straightened(_Line(cells, hold_s, mission.settings.searcher[number].speed_mps, seconds))
+    return replace(line, notes=_uncounted(mission, line))
+
+
+def _uncounted(mission: Mission, line: _Line) -> tuple[str, ...]:
+    """What corners cost, which the time of a plan over cells does not count."""
+    turns = len(line.cells) - 2
+    if turns < 1 or line.speed_mps is None or line.duration_s is None:
+        return ()
+    stopping = _stopping_s(mission, line, Dynamics(line.speed_mps, USUAL_MPS2))
+    if stopping <= line.duration_s:
+        return ()
+    told = f"the plan's {line.duration_s:.0f} s count no time for corners, of which it has {turns}"
+    return (f"{told}; an aircraft that stops in each, at {USUAL_MPS2:g} m/s2, takes {stopping:.0f} s",)
+
+
+def _stopping_s(mission: Mission, line: _Line, drone: Dynamics) -> float:
+    """Seconds along the line for who stops wherever it turns."""
+    lengths = np.hypot(*np.diff(line.cells, axis=0).T) * mission.problem.grid.cell_m
+    return float(drone.leg_seconds(lengths).sum() + line.hold_s.sum())
 
 
 # ---------------------------------------------------------------- the line over regions
@@ -214,8 +234,7 @@ def _timed(mission: Mission, number: int, points: Floats, held: Floats, seconds:
     cells = rows_and_cols(mission.problem.grid, points[begins])
     drone = dynamics_of(mission.settings, number)
     line = _straightened(_Line(cells, np.add.reduceat(held, begins), drone.v_max, None))
-    lengths = np.hypot(*np.diff(line.cells, axis=0).T) * mission.problem.grid.cell_m
-    stopping = float(drone.leg_seconds(lengths).sum() + line.hold_s.sum())
+    stopping = _stopping_s(mission, line, drone)
     late = stopping - seconds
     notes = (f"the plan flies arcs; an aircraft that stops in corners takes {late:.0f} s more",) if late > 1.0 else ()
     return replace(line, duration_s=stopping, notes=notes)
