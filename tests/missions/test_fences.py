@@ -117,3 +117,49 @@ def test_distances_are_those_between_all_points_and_legs(seed):
     near = min(np.hypot(*(p - a - s * (b - a))) for p in points for a, b in pairwise([*line, line[-1]]) for s in SHARES)
     assert module._nearest(points, line) == pytest.approx(near, abs=0.01)
     assert module._nearest(points, line) <= near + 1e-12
+
+
+def ragged(rows=40, cols=40):
+    """A round rock, whose border turns often."""
+    r, c = np.indices((rows, cols))
+    return ((r - 20) ** 2 + (c - 20) ** 2 < 60).astype(float)
+
+
+def test_an_obstacle_that_turns_often_has_a_convex_fence_around_it():
+    stones = ragged()
+    (_, (ring, inclusion)), notes = fenced(stones, [[4, 4], [4, 36], [36, 36]])
+    assert not inclusion
+    assert len(ring) < len(module._outlines(stones == 0, np.zeros((1, 2)))[1][0])
+    legs = np.roll(ring, -1, axis=0) - ring
+    turns = legs[:, 0] * np.roll(legs, -1, axis=0)[:, 1] - legs[:, 1] * np.roll(legs, -1, axis=0)[:, 0]
+    assert abs(np.sign(turns).sum()) == len(turns)
+    assert all(inside((row, col), ring) for row, col in np.argwhere(stones))
+    assert notes == ()
+
+
+def test_a_flight_between_a_ragged_obstacle_and_its_convex_line_has_the_true_border_or_none():
+    stones = np.zeros((40, 40))
+    stones[10:30, 10:30] = 1
+    stones[10:20, 14:26] = 0  # a bay, open to the north
+    for step in range(9):
+        stones[30 + step, 10 : 28 - 2 * step] = 1  # a ragged end, to the south
+    bay = [[4, 4], [4, 20], [14, 20], [4, 20]]
+    (_, (ring, _)), _ = fenced(stones, bay)
+    assert not inside((14, 20), ring)
+    assert inside((25, 20), ring)
+    (_, (hull, _)), _ = fenced(stones, [[4, 4], [4, 20]])
+    assert inside((14, 20), hull)
+
+
+@settings(max_examples=60)
+@given(st.integers(0, 2**32 - 1))
+def test_a_line_that_crosses_a_border_is_not_apart_from_it(seed):
+    rng = np.random.default_rng(seed)
+    line, ring = rng.random((rng.integers(2, 6), 2)), rng.random((rng.integers(3, 6), 2))
+    border = [*ring, ring[0]]
+    shares = [
+        np.linalg.solve(np.column_stack([b - a, c - d]), c - a) for a, b in pairwise(line) for c, d in pairwise(border)
+    ]  # of both legs, where they meet
+    crosses = any(((share > 0) & (share < 1)).all() for share in shares)
+    assert module._crosses(line, np.array(border)) == crosses
+    assert (module._apart(line, ring) == 0.0) == crosses

@@ -34,10 +34,12 @@ def chances(score: Score) -> dict[str, NDArray[np.float64]]:
     sight = score.mission.sight
     if isinstance(sight.known, BetaGrid):
         raise UnsupportedProblemError('model = "beta" came, where nobody is found; geotiff expects looks that detect')
-    before = sight.theta
-    everywhere = Belief.from_weights(np.ones(before.shape))
-    pod = _paid(detection_gains(everywhere, sight.detect, sight.correlation), score.looks) * before.size
-    pod = np.minimum(pod, 1.0).reshape(before.shape)
+    before, seen = sight.theta, np.flatnonzero(score.looks)
+    pod = np.zeros(before.shape)
+    if len(seen):
+        alike = Belief.from_weights(np.ones((1, len(seen))))
+        gains = detection_gains(alike, np.ravel(sight.glimpse)[None, seen], sight.correlation)
+        pod.flat[seen] = np.minimum(_paid(gains, score.looks[seen]) * len(seen), 1.0)
     return {"poc-before": before, "poc-after": before * (1.0 - pod), "pod": pod}
 
 

@@ -14,6 +14,8 @@ __all__ = ["CLEAR_M", "MOST_CORNERS", "fences"]
 
 CLEAR_M = 5.0  # satellites place an aircraft to within a few metres: a fence nearer to its line would stop the flight
 MOST_CORNERS = 100  # of all fences together; autopilots have memory for about as many
+MOST_TURNS = 16  # of an obstacle that is fenced as it is
+MOST_TRIED = 40  # fences
 MOST_TRACED = 100_000  # turns of borders that are followed
 AT_ONCE = 1 << 18  # pairs of points and legs whose distances are worked out together
 
@@ -26,8 +28,9 @@ def fences(
     """Fences that a flight does not come near, and what is left out.
 
     The outline of the free ground that hangs together with the flight is to stay in, the obstacles within it are to
-    stay out of, the largest first. A fence is left out that has more corners than are left of `MOST_CORNERS`, and one
-    that the flight comes within `CLEAR_M` of. Without obstacles there is none: the edge of a map forbids nothing.
+    stay out of, the largest first; for one that turns often the convex line around it stands, if the flight keeps clear
+    of that. A fence is left out that has more corners than are left of `MOST_CORNERS`, and one that the flight comes
+    within `CLEAR_M` of. Without obstacles there is none: the edge of a map forbids nothing.
 
     Parameters
     ----------
@@ -42,21 +45,26 @@ def fences(
         return (), (f"no fences: the borders of the obstacles turn more than {MOST_TRACED:,} times",)
     outline, holes = _outlines(free, line)
     rings = [(outline, True), *((hole, False) for hole in sorted(holes, key=_area, reverse=True))]
-    few = _fitting(rings)
     flown = np.concatenate([line, line[:1]]) if closed else line
-    kept = [each for each in few if _apart(flown, each[0]) * grid.cell_m >= CLEAR_M]
-    made = tuple(Fence(_places(ground, ring), inclusion) for ring, inclusion in kept)
-    return made, _told(len(rings), len(few) - len(kept), len(rings) - len(few))
+    kept, near, corners = [], 0, 0
+    for ring, inclusion in rings[:MOST_TRIED]:
+        fitting = [shape for shape in _shapes(ring, inclusion) if corners + len(shape) <= MOST_CORNERS]
+        clear = next((shape for shape in fitting if _apart(flown, shape) * grid.cell_m >= CLEAR_M), None)
+        if clear is not None:
+            kept.append(Fence(_places(ground, clear), inclusion))
+            corners += len(clear)
+        elif fitting:
+            near += 1
+    return tuple(kept), _told(len(rings), near, len(rings) - len(kept) - near)
 
 
-def _fitting(rings: list[tuple[Ring, bool]]) -> list[tuple[Ring, bool]]:
-    """One after the other, those that autopilots still have memory for."""
-    few, corners = [], 0
-    for each in rings:
-        if corners + len(each[0]) <= MOST_CORNERS:
-            few.append(each)
-            corners += len(each[0])
-    return few
+def _shapes(ring: Ring, inclusion: bool) -> list[Ring]:
+    """What may stand for a border: itself, and for an obstacle that turns often first the convex line around it."""
+    if inclusion or len(ring) <= MOST_TURNS:
+        return [ring]
+    from scipy.spatial import ConvexHull
+
+    return [ring[ConvexHull(ring).vertices], ring]
 
 
 def _places(ground: Georeference, ring: Ring) -> tuple[tuple[float, float], ...]:
@@ -103,9 +111,28 @@ def _area(ring: Ring) -> float:
 
 
 def _apart(line: NDArray[np.float64], ring: Ring) -> float:
-    """Cells between a line and a border that it does not cross: the nearest end of one to a leg of the other."""
+    """Cells between a line and a border; 0 where it crosses it. Who does not cross and is near is near at an end."""
     border = np.concatenate([ring, ring[:1]])
-    return min(_nearest(line, border), _nearest(border, line))
+    return 0.0 if _crosses(line, border) else min(_nearest(line, border), _nearest(border, line))
+
+
+def _crosses(line: NDArray[np.float64], border: NDArray[np.float64]) -> bool:
+    """Whether a leg of one has both ends of a leg of the other on different sides, and the other way round."""
+    at_once = max(1, AT_ONCE // len(border))
+    for first in range(0, len(line) - 1, at_once):
+        part = line[first : first + at_once + 1]
+        before, after = _sides(border, part)
+        begins, ends = _sides(part, border)
+        if ((before * after < 0) & (begins * ends < 0).T).any():
+            return True
+    return False
+
+
+def _sides(points: NDArray[np.float64], line: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(l, p - 1) twice: how far to the side of each of l legs the first and the last of two neighbouring points lie."""
+    legs, away = np.diff(line, axis=0)[:, None], points - line[:-1, None]
+    aside = legs[..., 0] * away[..., 1] - legs[..., 1] * away[..., 0]
+    return aside[:, :-1], aside[:, 1:]
 
 
 def _nearest(points: NDArray[np.float64], line: NDArray[np.float64]) -> float:
