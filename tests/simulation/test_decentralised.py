@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from sooner.errors import InvalidProblemError
 from sooner.grid import Grid
+from sooner.sensors.graded import GradedSensor
 from sooner.simulation import (
     Agent,
     Estimator,
@@ -33,6 +34,7 @@ from sooner.streets import OccupancyGraph
 from tests.simulation.streets import blocks
 
 GRAPH = blocks()
+SHARP = Agent(map_sensor=GradedSensor(8.0, 41), target_sensor=GradedSensor(8.0, 41))
 STATES = ("void", "unoccupied", "occupied", "explored", "nodes")
 
 some_links = st.builds(
@@ -119,6 +121,15 @@ def test_links_that_lose_nothing_reach_all_and_are_prompt_are_one_command_post(n
     assert apart.e_nodes_by_all == together.e_nodes == together.e_nodes_by_all
 
 
+@pytest.mark.parametrize("tracks", ["restarted", "each"])
+def test_perfect_links_are_one_command_post_for_several_tracks_too(tracks):
+    scene = Scene(World(GRAPH, n_targets=3), (SHARP,) * 4, Estimator(tracks=tracks), seconds=60)
+    together, apart = (simulate(each, make_strategy("joint"), 2) for each in (scene, replace(scene, links=Links())))
+    assert len(together.calls) > 1
+    assert apart.calls == together.calls
+    np.testing.assert_array_equal(apart.places_m, together.places_m)
+
+
 def test_perfect_links_are_one_command_post_for_tests_of_cells_too():
     scene = Scene(World(GRAPH, n_targets=3), seconds=90, estimator=Estimator("cbht"))
     together, apart = (simulate(each, RandomWaypoints(), 2) for each in (scene, replace(scene, links=Links())))
@@ -146,9 +157,15 @@ def of_agents(log, who) -> LookLog:
 
 
 @settings(max_examples=12, deadline=None)
-@given(some_links, st.sampled_from(["uniform", "kriged"]), st.integers(0, 99))
-def test_at_each_plan_a_belief_is_that_of_the_looks_that_the_agent_has_each_once(links, prior, seed):
-    scene = Scene(World(GRAPH), seconds=26, estimator=Estimator(prior=prior), links=links)
+@given(
+    some_links,
+    st.sampled_from(["uniform", "kriged"]),
+    st.sampled_from(["one", "restarted", "each"]),
+    st.integers(0, 99),
+)
+def test_at_each_plan_a_belief_is_that_of_the_looks_that_the_agent_has_each_once(links, prior, tracks, seed):
+    estimator = Estimator(prior=prior, tracks=tracks)
+    scene = Scene(World(GRAPH, n_targets=3), (SHARP,) * 4, estimator, seconds=26, links=links)
     strategy = RandomWaypoints()
     flown = Flight(scene, seed, scene.starts(strategy, seed), strategy.capture)
     command, heard = DecentralisedCommand(scene, strategy, links, seed), []
@@ -164,6 +181,7 @@ def test_at_each_plan_a_belief_is_that_of_the_looks_that_the_agent_has_each_once
                     np.testing.assert_array_equal(getattr(belief.states, name), getattr(again.states, name))
                 np.testing.assert_array_equal(belief.track.probability, again.track.probability)
                 assert belief.has_called == again.has_called
+                assert belief.followed == again.followed
         for belief in command.beliefs:
             three = np.array([belief.states.void, belief.states.unoccupied, belief.states.occupied])
             assert ((three >= 0.0) & (three <= 1.0)).all()
