@@ -24,6 +24,7 @@ __all__ = ["USUAL_M", "Flights", "check_place", "flights"]
 
 USUAL_M = 60.0  # above home, where neither the drone nor the camera has an altitude
 USUAL_MPS2 = 2.0  # by which copters speed up and brake, where nobody says
+SAME_M = 1e-6  # between places that are one but for rounding
 TRUE_TO = 0.01  # share by which a metre of the projection may differ from one on the ground, untold
 
 Floats = NDArray[np.float64]
@@ -120,8 +121,7 @@ def _flight(score: Score, number: int, ground: Georeference) -> tuple[FlightPlan
     home = _told(said.start, places[0])
     if finish != "return":
         places[-1] = _told(said.end, places[-1])
-    passed = np.concatenate([ground.cells([home]), cells])
-    fenced, fence_notes = fences(problem.grid, ground, passed, finish == "return")
+    fenced, fence_notes = fences(problem.grid, ground, ground.cells([home, *places]), finish == "return")
     placed = zip(places, hold_s.tolist(), strict=True)
     plan = FlightPlan(
         name=mission.name if len(problem.searchers) == 1 else f"{mission.name}, drone {number}",
@@ -230,7 +230,7 @@ def _over_regions(score: Score, number: int) -> _Line:
 
 def _timed(mission: Mission, number: int, points: Floats, held: Floats, seconds: float) -> _Line:
     """The same line without what it says twice, and how long the aircraft takes that stops wherever it turns."""
-    begins = np.flatnonzero(np.append(True, (np.diff(points, axis=0) != 0).any(axis=1)))
+    begins = np.flatnonzero(np.append(True, np.hypot(*np.diff(points, axis=0).T) > SAME_M))
     cells = rows_and_cols(mission.problem.grid, points[begins])
     drone = dynamics_of(mission.settings, number)
     line = _straightened(_Line(cells, np.add.reduceat(held, begins), drone.v_max, None))
