@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sooner.belief import InformationTable, look_information, state_entropy, state_information
-from sooner.belief.state_information import glimpse_knots
 from sooner.errors import InvalidProblemError
 from sooner.sensors import GradedSensor
 
@@ -108,46 +107,3 @@ def test_levels_that_have_no_probabilities_are_refused(bad: np.ndarray) -> None:
         InformationTable(PAPER, bad)
     with pytest.raises(InvalidProblemError, match="expected one in"):
         InformationTable(PAPER, PAPER, least=2.0)
-
-
-@given(shares, st.floats(0.0, 1.0))
-def test_of_looks_that_may_be_in_vain_it_is_the_mixture_term_by_term(three: list[float], glimpse: float) -> None:
-    g = z = GradedSensor(3.0, 7).p_levels
-    void, node, target = (np.multiply.outer(g[i], z[j]).ravel() for i, j in ((0, 0), (1, 0), (1, 1)))
-    prior = np.array(three) / sum(three)
-    joint = prior[:, None] * np.stack([void, *(glimpse * seen + (1 - glimpse) * void for seen in (node, target))])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        terms = joint * np.log2(joint / joint.sum(axis=0) / prior[:, None])
-    expected = np.where(joint > 0, terms, 0.0).sum()
-    assert state_information(*([p] for p in prior), g, z, glimpse)[0] == pytest.approx(expected, abs=1e-9)
-
-
-def test_information_is_convex_in_the_glimpse_and_few_knots_tell_it() -> None:
-    rng = np.random.default_rng(5)
-    node, target = rng.uniform(-6, 8, (2, 300))
-    v = 1 / (1 + np.exp(node))
-    u, o = (1 / (1 + np.exp(-node)) / (1 + np.exp(sign * target)) for sign in (1, -1))
-    grid = np.linspace(0, 1, 41)
-    bits = np.array([state_information(v, u, o, PAPER, PAPER, glimpse) for glimpse in grid])
-    assert bits[0].max() < 1e-12
-    assert np.diff(bits, 2, axis=0).min() > -1e-12
-    knots = glimpse_knots(grid)
-    assert sum(weight for _, weight in knots) == pytest.approx(1.0)
-    told = sum(np.outer(weight, state_information(v, u, o, PAPER, PAPER, knot)) for knot, weight in knots)
-    assert (told >= bits - 1e-9).all()
-    assert (told - bits).max() < 0.006
-
-
-def test_open_ground_needs_one_knot() -> None:
-    ((knot, weight),) = glimpse_knots(np.ones(3))
-    assert (knot, weight.tolist()) == (1.0, [1.0] * 3)
-
-
-@pytest.mark.parametrize("bad", [-0.1, 1.1, float("nan")])
-def test_a_glimpse_that_is_none_is_refused(bad: float) -> None:
-    with pytest.raises(InvalidProblemError, match="a glimpse"):
-        state_information([0.5], [0.5], [0.0], PAPER, PAPER, bad)
-    with pytest.raises(InvalidProblemError, match="a glimpse"):
-        InformationTable(PAPER, PAPER, glimpse=bad)
-    with pytest.raises(InvalidProblemError, match="a glimpse"):
-        glimpse_knots([0.5, bad])

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import chisquare
 
-from sooner.belief import CellStates, state_information
+from sooner.belief import CellStates
 from sooner.errors import InvalidProblemError
 from sooner.grid import Grid
 from sooner.sensors import GradedSensor
@@ -26,7 +26,6 @@ from sooner.simulation import (
 )
 from sooner.simulation.sensing import MOST_RATIO, LookLog
 from sooner.simulation.strategies import make_strategy
-from sooner.simulation.strategies.information import Information
 
 from .streets import blocks
 
@@ -158,17 +157,6 @@ def test_the_sharpest_sensors_tell_finite_ratios_and_leave_probabilities(g):
     assert Sensing(GRID, sharp).ratios.max() == MOST_RATIO
 
 
-def test_what_cannot_be_seen_draws_nobody():
-    scene = Scene(World(blocks()), seconds=60, glimpse=np.where(np.arange(400) % 20 < 10, 0.0, 1.0))
-    session = Information().session(_situation(scene), np.random.default_rng(1))
-    (bits,) = session.information(_situation(scene))
-    assert bits[scene.glimpse == 0].max() < 1e-12
-    states = CellStates.unknown(400)
-    p = GradedSensor().p_levels
-    exact = state_information(states.void[:1], states.unoccupied[:1], states.occupied[:1], p, p)
-    assert bits[scene.glimpse == 1] == pytest.approx(exact[0], abs=4e-4)
-
-
 @pytest.mark.parametrize("strategy", ["swept_information", "joint", "rollouts"])
 def test_plans_that_know_where_nothing_can_be_seen_find_more_elsewhere(strategy):
     """Half of the ground cannot be seen; nobody need fly there."""
@@ -193,32 +181,6 @@ class _Untold:
         routes = session.routes
         session.routes = lambda situation: routes(replace(situation, glimpse=None))
         return session
-
-
-def _situation(scene):
-    from sooner.simulation.command import CommandPost
-
-    shown = []
-
-    class Asked:
-        capture = 0.5
-
-        def starts(self, grid, agents, drawn):
-            return drawn
-
-        def session(self, situation, rng):
-            shown.append(situation)
-            return self
-
-        def routes(self, situation):
-            return situation.routes
-
-    from sooner.simulation.in_flight import Flight
-
-    flight = Flight(scene, 1, scene.starts(Asked(), 1), 0.5)
-    flight.look()
-    CommandPost(scene, Asked(), 1).plan(flight)
-    return shown[0]
 
 
 def test_an_episode_under_canopy_is_kept_and_flown_again(tmp_path):

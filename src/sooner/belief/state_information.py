@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from sooner.errors import InvalidProblemError
 
-__all__ = ["InformationTable", "glimpse_knots", "state_entropy", "state_information"]
+__all__ = ["InformationTable", "state_entropy", "state_information"]
 
 Floats = NDArray[np.float64]
 
@@ -19,7 +19,6 @@ TARGET_SPAN = (-11.0, 11.0)  # log-odds of a target where there is a node
 SHAPE = (241, 321)
 COARSE = (81, 65)  # every third and fifth entry is computed; between them splines
 CHUNK = 2_048  # cells at a time
-KNOTS = 1.0 - np.linspace(1.0, 0.0, 13) ** 2  # of the glimpse: close together near 1, where information bends most
 
 
 def state_entropy(void: ArrayLike, unoccupied: ArrayLike, occupied: ArrayLike) -> Floats:
@@ -36,27 +35,18 @@ def state_entropy(void: ArrayLike, unoccupied: ArrayLike, occupied: ArrayLike) -
 
 
 def state_information(
-    void: ArrayLike,
-    unoccupied: ArrayLike,
-    occupied: ArrayLike,
-    p_map: ArrayLike,
-    p_target: ArrayLike,
-    glimpse: float = 1.0,
+    void: ArrayLike, unoccupied: ArrayLike, occupied: ArrayLike, p_map: ArrayLike, p_target: ArrayLike
 ) -> Floats:
     """Bits that one look with both sensors is expected to teach, by the joint table of state and levels.
 
     I(C; G, Z) = H(C) - H(C | G, Z),  H(C | G, Z) = -sum_{f, l, c} k_c log2(k_c / p(g_l, z_f))
     k_V = v g(l|V) z(f|V,U),  k_U = u g(l|U,O) z(f|V,U),  k_O = o g(l|U,O) z(f|O)      [Wolek2020, eq. (16) to (18)]
 
-    Of a look that is in vain with probability 1 - s, readings of a void cell stand in for that share of each state's:
-    p_s(l, f | C) = s p(l, f | C) + (1 - s) p(l, f | V). Information is convex in s, and 0 at 0.
-
     Parameters
     ----------
     void, unoccupied, occupied : (M,) float    they total one
     p_map : (2, n_g) float                     P(level | void) and P(level | node)
     p_target : (2, n_z) float                  P(level | no target) and P(level | target)
-    glimpse : float                            s, P(a look sees the cell): else both sensors read noise
 
     Returns
     -------
@@ -64,21 +54,19 @@ def state_information(
 
     Raises
     ------
-    InvalidProblemError                        if probabilities of levels do not total one, or the glimpse is none
+    InvalidProblemError                        if probabilities of levels do not total one
 
     Examples
     --------
     >>> perfect = np.eye(2)
     >>> state_information([0.5], [0.25], [0.25], perfect, perfect)
     array([1.5])
-    >>> state_information([0.5], [0.25], [0.25], perfect, perfect, glimpse=0.5).round(3)
-    array([0.561])
     """
     v, u, o = (np.ravel(np.asarray(p, np.float64)) for p in (void, unoccupied, occupied))
-    g, z, share = _levels(p_map), _levels(p_target), _share(glimpse)
+    g, z = _levels(p_map), _levels(p_target)
     chunks = range(0, max(v.size, 1), CHUNK)
     parts = (slice(start, start + CHUNK) for start in chunks)
-    return np.concatenate([_of_chunk(v[part], u[part], o[part], g, z, share) for part in parts])
+    return np.concatenate([_of_chunk(v[part], u[part], o[part], g, z) for part in parts])
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +81,6 @@ class InformationTable:
     p_map : (2, n_g) float       P(level | void) and P(level | node)
     p_target : (2, n_z) float    P(level | no target) and P(level | target)
     least : float                a cell of which fewer bits are unknown counts as known: its information is 0
-    glimpse : float              P(a look sees the cell), the same for all that is looked up
 
     Notes
     -----
@@ -111,14 +98,12 @@ class InformationTable:
     p_map: Floats
     p_target: Floats
     least: float = 0.01
-    glimpse: float = 1.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "p_map", _levels(self.p_map))
         object.__setattr__(self, "p_target", _levels(self.p_target))
         if not 0.0 <= self.least <= 1.0:
             raise InvalidProblemError(f"a least entropy of {self.least} bits came; expected one in [0, 1]")
-        _share(self.glimpse)
 
     @cached_property
     def table(self) -> Floats:
@@ -131,7 +116,7 @@ class InformationTable:
         a, b = (np.linspace(*span, n) for span, n in zip((NODE_SPAN, TARGET_SPAN), COARSE, strict=True))
         node, target = np.meshgrid(1.0 / (1.0 + np.exp(-a)), 1.0 / (1.0 + np.exp(-b)), indexing="ij")
         three = 1.0 - node, node * (1.0 - target), node * target
-        exact = state_information(*three, self.p_map, self.p_target, self.glimpse).reshape(COARSE)
+        exact = state_information(*three, self.p_map, self.p_target).reshape(COARSE)
         fine = (np.linspace(*span, n) for span, n in zip((NODE_SPAN, TARGET_SPAN), SHAPE, strict=True))
         return np.asarray(np.maximum(RectBivariateSpline(a, b, exact)(*fine), 0.0), order="C")
 
@@ -144,38 +129,6 @@ class InformationTable:
         return bits
 
 
-def glimpse_knots(glimpse: ArrayLike) -> list[tuple[float, Floats]]:
-    """A few glimpses between which information of cells each with its own is all but linear, and each cell's weights.
-
-    I_s is about the sum over knots k of weight_k I_k, and not beside it by more than 0.006 bits.
-
-    Parameters
-    ----------
-    glimpse : (M,) float       P(a look sees the cell)
-
-    Returns
-    -------
-    list of (float, (M,) float)    only knots that some cell needs; weights of a cell total one
-
-    Raises
-    ------
-    InvalidProblemError            if a glimpse is no probability
-
-    Examples
-    --------
-    >>> for knot, weight in glimpse_knots([1.0, 1.0, 0.2]):
-    ...     print(round(knot, 3), weight.round(2))
-    0.16 [0.   0.   0.72]
-    0.306 [0.   0.   0.28]
-    1.0 [1. 1. 0.]
-    """
-    shares = np.asarray(glimpse, np.float64)
-    if not ((shares >= 0.0) & (shares <= 1.0)).all():
-        raise InvalidProblemError("a glimpse that is no probability came; expected numbers in [0, 1]")
-    weights = (np.interp(shares, KNOTS, row) for row in np.eye(len(KNOTS)))
-    return [(float(knot), weight) for knot, weight in zip(KNOTS, weights, strict=True) if weight.any()]
-
-
 def _levels(probabilities: ArrayLike) -> Floats:
     p = np.asarray(probabilities, np.float64)
     if p.ndim != 2 or p.shape[0] != 2 or not (p >= 0).all() or not np.allclose(p.sum(axis=1), 1.0):
@@ -185,16 +138,9 @@ def _levels(probabilities: ArrayLike) -> Floats:
     return p
 
 
-def _share(glimpse: float) -> float:
-    if not 0.0 <= glimpse <= 1.0:
-        raise InvalidProblemError(f"a glimpse of {glimpse} came; expected a probability in [0, 1]")
-    return glimpse
-
-
-def _of_chunk(v: Floats, u: Floats, o: Floats, g: Floats, z: Floats, share: float) -> Floats:
+def _of_chunk(v: Floats, u: Floats, o: Floats, g: Floats, z: Floats) -> Floats:
     """`state_information` by H(G, Z) - H(G, Z | C), which is the same: the second is known beforehand."""
     empty, free, full = (np.multiply.outer(g[i], z[j]).ravel() for i, j in ((0, 0), (1, 0), (1, 1)))
-    free, full = (share * seen + (1.0 - share) * empty for seen in (free, full))
     levels = np.outer(v, empty) + np.outer(u, free) + np.outer(o, full)
     certain = sum(p * _x_log_x(joint).sum() for p, joint in ((v, empty), (u, free), (o, full)))
     return np.asarray(np.clip(certain - _x_log_x(levels).sum(axis=1), 0.0, state_entropy(v, u, o)))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from sooner.belief.state_information import InformationTable, glimpse_knots
+from sooner.belief.state_information import InformationTable
 from sooner.errors import InvalidProblemError
 from sooner.grid import Grid
 from sooner.sensors.graded import GradedSensor
@@ -35,9 +35,9 @@ class Information:
     R(i, j) = I_max(w_i, w_j) / T(w_i, w_j)
 
     Each agent flies, looks and values by its own body and sensors. A look of agent k at a cell takes the share
-    I_k / I_best of what is left to be learnt there, with I_best what a look of the team's best sensors would teach in
-    the open. So where all are equal and see everything, a look takes all, as in the paper; worse sensors, and looks
-    that may be in vain, leave the rest to later looks and to other agents.
+    g I_k / I_best of what is left to be learnt there, with I_best what a look of the team's best sensors teaches, and g
+    the probability that a look sees the cell at all. So where all are equal and see everything, a look takes all, as in
+    the paper; worse sensors, and looks that may be in vain, leave the rest to later looks and to other agents.
 
     Parameters
     ----------
@@ -59,6 +59,10 @@ class Information:
 
     Notes
     -----
+    A look that may be in vain is worth g I, what it would be worth to one who is told whether it was. By eq. (18) of
+    readings that are noise for a share 1 - g it is less: canopy hides that there is no node better than that there is
+    one. Plans by that measure put off ground under canopy, and find fewer nodes in time than plans that know of none.
+
     The paper says neither how Lloyd's algorithm runs nor when a waypoint counts as reached; these values come near its
     figures. The task of the Voronoi cell in which an agent stands is no candidate of its first step.
 
@@ -115,7 +119,7 @@ class Information:
             raise InvalidProblemError("hexagonal cells came; expected square ones")
         low, high = area(situation.grid)
         sites = low + rng.random((self.tasks, 2)) * (high - low)
-        return InformationSession(self, situation.agents, sites, situation.glimpse)
+        return InformationSession(self, situation.agents, sites)
 
 
 SWEPT_INFORMATION = Information(utility="swept")
@@ -127,7 +131,6 @@ class InformationSession:
     """Shares out tasks; it remembers where their sites were.
 
     sites : (n_t, 2) float       the generators of the Voronoi cells, metres
-    glimpse : (M,) float or None      P(a look sees the cell)
     middles : (n_t, 2) float     their cells' centres of mass at the last replan: the tasks
     rounds : int                 of Lloyd at the last replan
     """
@@ -135,7 +138,6 @@ class InformationSession:
     strategy: Information
     agents: tuple[Agent, ...]
     sites: NDArray[np.float64]
-    glimpse: NDArray[np.float64] | None = None
     middles: NDArray[np.float64] = field(init=False)
     rounds: int = 0
 
@@ -146,9 +148,7 @@ class InformationSession:
         self._team = team.v_max, team.a_max, team.radius_m, self.strategy.arrive * team.radius_m
         pairs = [(agent.map_sensor, agent.target_sensor) for agent in self.agents]
         different = list(dict.fromkeys(pairs))
-        self._open = [_table(*pair, 1.0) for pair in different]
-        knots = [(1.0, np.ones(1))] if self.glimpse is None else glimpse_knots(self.glimpse)
-        self._tables = [[(weight, _table(*pair, knot)) for knot, weight in knots] for pair in different]
+        self._tables = [_table(*pair) for pair in different]
         self._kinds = np.array([different.index(pair) for pair in pairs], np.int64)
 
     def routes(self, situation: Situation) -> Routes:
@@ -156,10 +156,14 @@ class InformationSession:
         from sooner.simulation.strategies._task_kernels import assign
 
         surfaces = self.information(situation)
-        of_each = np.bincount(self._kinds) / len(self._kinds)
-        self.place_tasks(of_each @ surfaces, situation.grid)
-        left = surfaces.max(axis=0) if self.glimpse is None else self._in_the_open(situation)
-        shares = np.minimum(np.divide(surfaces, left, out=np.ones_like(surfaces), where=left > 0.0), 1.0)
+        density = np.bincount(self._kinds) / len(self._kinds) @ surfaces
+        if situation.glimpse is not None:
+            density *= situation.glimpse
+        self.place_tasks(density, situation.grid)
+        left = surfaces.max(axis=0)
+        shares = np.divide(surfaces, left, out=np.ones_like(surfaces), where=left > 0.0)
+        if situation.glimpse is not None:
+            shares *= situation.glimpse
         strategy, (height, width) = self.strategy, situation.grid.shape
         routes = np.empty((len(self.agents), strategy.waypoints - 1, 2))
         assign(
@@ -170,20 +174,12 @@ class InformationSession:
         return tuple(routes)
 
     def information(self, situation: Situation) -> NDArray[np.float64]:
-        """(K, M) bits that one look teaches of each cell, for each pair of sensors that the agents have."""
+        """(K, M) bits that a look that sees teaches of each cell, for each pair of sensors that the agents have."""
         states = situation.states
-        three = states.void, states.unoccupied, states.occupied
         surfaces = np.empty((len(self._tables), states.void.size))
-        for surface, tables in zip(surfaces, self._tables, strict=True):
-            surface[:] = np.sum([weight * table.information(*three) for weight, table in tables], axis=0)
+        for surface, table in zip(surfaces, self._tables, strict=True):
+            table.information(states.void, states.unoccupied, states.occupied, surface)
         return surfaces
-
-    def _in_the_open(self, situation: Situation) -> NDArray[np.float64]:
-        """(M,) bits that one look of the best sensors would teach of each cell, if it saw it."""
-        states = situation.states
-        three = states.void, states.unoccupied, states.occupied
-        best: NDArray[np.float64] = np.max([table.information(*three) for table in self._open], axis=0)
-        return best
 
     def place_tasks(self, information: NDArray[np.float64], grid: Grid) -> NDArray[np.int32]:
         """Move sites and tasks to where the information is; returns the (M,) int32 Voronoi cell of each grid cell."""
@@ -212,6 +208,6 @@ def rollout_step_s(team: Team) -> float:
     return 1.0 / ceil(1.0 / min(ROLLOUT_STEP_S, float((0.5 * team.v_max / team.a_max).min())) - 1e-9)
 
 
-@lru_cache(maxsize=256)
-def _table(map_sensor: GradedSensor, target_sensor: GradedSensor, glimpse: float) -> InformationTable:
-    return InformationTable(map_sensor.p_levels, target_sensor.p_levels, glimpse=glimpse)
+@lru_cache(maxsize=64)
+def _table(map_sensor: GradedSensor, target_sensor: GradedSensor) -> InformationTable:
+    return InformationTable(map_sensor.p_levels, target_sensor.p_levels)
