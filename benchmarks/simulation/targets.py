@@ -5,7 +5,10 @@ SOONER_DATA=... python benchmarks/simulation/targets.py --trials 100            
 SOONER_DATA=... python benchmarks/simulation/targets.py --trials 100 --prior known    # which are known beforehand
 
 The same seeds for all, so that differences are of pairs: targets, starts and readings are the same. In time until all
-are found, a search that does not find all counts as long as the mission.
+are found, a search that does not find all counts as long as the mission. Others in view: 300 more targets walk about
+that nobody looks for, and what is told is the mean second in which one is in view for the second time; it has far less
+noise. "unaware": the tracker is restarted, and the strategy is not told, so that its own belief of where the target is
+goes on.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ import argparse
 import os
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,13 +25,41 @@ from numpy.typing import NDArray
 
 from sooner.io import read_street_map
 from sooner.scenarios import STREET_KINDS, street_grid
-from sooner.simulation import Estimator, Scene, World, simulate
-from sooner.simulation.strategies import make_strategy
+from sooner.simulation import Episode, Estimator, Scene, World, simulate
+from sooner.simulation.strategies import Strategy, make_strategy
 from sooner.streets import OccupancyGraph
 
 MAPS = ("authors_map1_randalls_island", "authors_map2_silver_spring", "authors_map3_nyc")
-MEASURES = ("all found after s", "share found", "E_targ", "E", "false calls", "repeated calls")
-WAYS = ("restarted", "each")
+MEASURES = (
+    "all found after s",
+    "share found",
+    "E_targ",
+    "E",
+    "false calls",
+    "repeated calls",
+    "others in view after s",
+)
+WALKERS, LOOKS = 300, 2
+WAYS, UNAWARE = ("restarted", "each"), "unaware"
+
+
+@dataclass(frozen=True)
+class Unaware:
+    """A strategy whose sessions are not told of targets that were found."""
+
+    strategy: Strategy
+
+    @property
+    def capture(self) -> float:
+        return self.strategy.capture
+
+    def starts(self, grid, agents, drawn):
+        return self.strategy.starts(grid, agents, drawn)
+
+    def session(self, situation, rng):
+        session = self.strategy.session(situation, rng)
+        session.found = None
+        return session
 
 
 def main() -> None:
@@ -51,9 +83,12 @@ def main() -> None:
             for way in said.ways:
                 began = time.process_time()
                 seeds = range(said.first, said.first + said.trials)
-                estimator = Estimator(prior=said.prior, tracks=way)
+                flying, tracks = make_strategy(strategy), way
+                if way == UNAWARE:
+                    flying, tracks = Unaware(flying), "restarted"
+                estimator = Estimator(prior=said.prior, tracks=tracks)
                 scenes = [Scene(World(graph, n_targets=n_targets), estimator=estimator) for graph in graphs]
-                rows = np.array([flown(scene, strategy, seed) for scene in scenes for seed in seeds])
+                rows = np.array([flown(scene, flying, seed) for scene in scenes for seed in seeds])
                 spent = 1e3 * (time.process_time() - began) / len(rows)
                 print(f"| {n_targets} | {strategy} | {way} | {_told(rows)} | {spent:.0f} |", flush=True)
                 if first is None:
@@ -70,13 +105,23 @@ def _graphs(maps: int, first: int) -> Iterator[OccupancyGraph]:
     yield from (read_street_map(folder / f"{name}.graph.json").graph for name in MAPS)
 
 
-def flown(scene: Scene, strategy: str, seed: int) -> tuple[float, ...]:
+def flown(scene: Scene, strategy: Strategy, seed: int) -> tuple[float, ...]:
     """What one trial measures, in the order of `MEASURES`."""
-    episode = simulate(scene, make_strategy(strategy), seed)
+    episode = simulate(scene, strategy, seed)
     found = episode.found_targets
     last = found.max() if (found >= 0).all() else episode.seconds
     share = float((found >= 0).mean())
-    return float(last), share, episode.e_targets, episode.e, episode.false_calls, episode.repeated_calls
+    calls = episode.false_calls, episode.repeated_calls
+    return float(last), share, episode.e_targets, episode.e, *calls, _others_in_view(episode)
+
+
+def _others_in_view(episode: Episode) -> float:
+    world, rng = episode.scene.world, np.random.default_rng(episode.seed)
+    walked = world.walk.walked(world.states, world.walk.started(world.states, rng, WALKERS), episode.seconds, rng)
+    centres = world.grid.centres_m[world.graph.cells[world.states.current[walked]]][:-1]  # (T, WALKERS, 2)
+    apart = np.linalg.norm(centres[:, :, None] - episode.places_m[:-1, None], axis=-1)
+    looks = np.cumsum((apart <= episode.scene.sensing.radius_m).any(axis=-1), axis=0) >= LOOKS
+    return float(np.where(looks.any(axis=0), looks.argmax(axis=0), episode.seconds).mean())
 
 
 def _told(rows: NDArray[np.float64]) -> str:

@@ -92,7 +92,8 @@ class Record:
 
     def believed(self, flight: Flight, command: Command) -> None:
         """Where targets that were found are believed to be, and a copy of what else is, if it is time for one."""
-        self.followed.extend((flight.second, number, cell) for number, cell in command.belief.followed.items())
+        if followed := command.belief.followed:
+            self.followed.extend((flight.second, number, cell) for number, cell in followed.items())
         if self.keep.beliefs_s and flight.second % self.keep.beliefs_s == 0:
             command.belief.settle()
             states = command.belief.states
