@@ -133,20 +133,23 @@ class AnswerModel:
 
     def _person_after(self, belief: Belief, misses: Ints, hits: Ints) -> Belief:
         """One person is in one cell: all cells and the world outside are weighed against one another."""
-        ratios = log_odds_from_counts(0.5, misses, hits, self.detects, self.false_alarm)
-        if self.correlation:
-            longest = miss_after_looks(self.detects, int(misses.max(initial=0)), self.correlation)
-            with np.errstate(divide="ignore"):
-                seldom = np.log(longest[np.arange(self.n_cells), misses])
-            ratios = np.where(hits > 0, np.inf, seldom)
+        seen = np.flatnonzero(misses + hits)
         with np.errstate(divide="ignore", invalid="ignore"):
-            logs = np.append(np.log(belief.poc.ravel()) + ratios, np.log(belief.outside))
+            logs = np.log(np.append(belief.poc.ravel(), belief.outside))
+            logs[seen] += self._log_ratios(seen, misses[seen], hits[seen])
         most = logs.max()
         if not most > -np.inf:  # not a number either: a yes where nobody can be
             raise ImpossibleObservationError("answers came that cannot be, wherever the person is")
         weights = np.where(logs == np.inf, 1.0, 0.0) if most == np.inf else np.exp(logs - most)
         weights /= weights.sum()
         return Belief(weights[:-1].reshape(belief.shape), min(float(weights[-1]), MOST_SURE))
+
+    def _log_ratios(self, cells: Ints, misses: Ints, hits: Ints) -> Floats:
+        """(n,) float: log of P(what looks at each cell answered | he is there) / P(the same | he is elsewhere)."""
+        if not self.correlation:
+            return log_odds_from_counts(0.5, misses, hits, self.detects[cells], self.false_alarm)
+        missed = miss_after_looks(self.detects[cells], int(misses.max(initial=0)), self.correlation)
+        return np.where(hits > 0, np.inf, np.log(missed[np.arange(len(cells)), misses]))
 
     def bits(self, known: Known) -> float:
         """How uncertain that is, in bits: of the person's place, or summed over cells, of rates by density."""
