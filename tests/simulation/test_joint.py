@@ -8,11 +8,19 @@ from hypothesis import strategies as st
 from sooner.belief import CellStates
 from sooner.errors import InvalidProblemError
 from sooner.grid import Grid
-from sooner.simulation import Agent, Scene, Team, World, simulate
-from sooner.simulation.ground import area
+from sooner.simulation import Agent, Estimator, Scene, Team, World, simulate
+from sooner.simulation.ground import area, perimeter_places
 from sooner.simulation.strategies import Joint, Rollouts
-from sooner.simulation.strategies._coverage_kernels import improve, lay, move, worth
-from sooner.simulation.strategies.joint import bodies, dice, lane_layouts, pack, route_value
+from sooner.simulation.strategies._coverage_kernels import add_up, heavy_cell, improve, lay, move, worth
+from sooner.simulation.strategies.joint import (
+    bodies,
+    chosen_starts,
+    dice,
+    lane_layouts,
+    pack,
+    route_value,
+    shared_lanes,
+)
 from sooner.simulation.strategies.presence import Presence
 from tests.simulation.streets import blocks
 
@@ -79,12 +87,25 @@ def test_a_changed_route_is_worth_what_flying_it_from_the_start_gives(seed, leng
         return lay(start, body, way, n, SECONDS, SHAPE, 5.0, weights, others, *kept), kept
 
     _, kept = laid(route, length)
-    thrown, marks = dice(rng), np.full(GRID.n_cells, -1)
+    thrown, marks, waits = dice(rng), np.full(GRID.n_cells, -1), np.empty(GRID.n_cells)
+    add_up(weights, others, kept[0], waits)
     for mark in range(20):
-        n, change = move(thrown, route, length, SHAPE, 5.0, LOW, HIGH, weights, others, kept[0], other)
+        n, change = move(thrown, route, length, SHAPE, 5.0, LOW, HIGH, waits, other)
         assert (other[:change] == route[:change]).all()
         value = worth(change, body, other, n, SECONDS, SHAPE, 5.0, weights, others, *kept, marks, mark)
         assert value == pytest.approx(laid(other, n)[0], rel=1e-9)
+
+
+def test_cells_are_tried_as_often_as_they_wait_long_by_weight():
+    weights, never = np.zeros(GRID.n_cells), np.full(GRID.n_cells, SECONDS, np.int32)
+    weights[[7, 400]] = 0.2, 1.0
+    first, waits, thrown = never.copy(), np.empty(GRID.n_cells), dice(np.random.default_rng(0))
+    first[400] = 16  # it waits 16, and the other 0.2 * 90 = 18
+    add_up(weights, never, first, waits)
+    share = 18.0 / 34.0  # of the heavier; two draws miss it with (16 / 34)^2
+    drawn = np.array([heavy_cell(thrown, waits) for _ in range(4000)])
+    assert set(drawn.tolist()) == {7, 400}
+    assert (drawn == 7).mean() == pytest.approx(1.0 - (1.0 - share) ** 2, abs=0.04)
 
 
 @settings(deadline=None, max_examples=10)
@@ -109,6 +130,42 @@ def test_every_layout_shares_out_the_ground(n_agents):
     for layout in lane_layouts(GRID, (Agent(),) * n_agents):
         assert sum(inside.astype(int) for inside, _ in layout).tolist() == [1] * GRID.n_cells
         assert all(((way >= LOW) & (way <= HIGH)).all() for _, ways in layout for way in ways)
+
+
+@pytest.mark.parametrize("n_agents", [1, 2, 3, 4, 7])
+@pytest.mark.parametrize("grid", [GRID, Grid((2, 3), "square8", 5.0), Grid((1, 1), "square8", 5.0)])
+def test_chosen_starts_lie_on_the_perimeter(grid, n_agents):
+    agents = tuple(Agent(radius_m=8.0 + n) for n in range(n_agents))
+    starts, (low, high) = chosen_starts(grid, agents), area(grid)
+    assert starts.shape == (n_agents, 2)
+    assert ((starts >= low) & (starts <= high)).all()
+    assert (np.minimum(starts - low, high - starts).min(axis=1) < 1e-9).all()
+
+
+def test_lanes_from_chosen_starts_bring_the_ground_into_view_sooner_than_from_those_drawn():
+    agents, cells = (Agent(),) * 4, np.ones(GRID.n_cells)
+    body = bodies(Team(agents), GRID, 0.5, 1.0)
+
+    def value(starts):
+        still = np.hstack([starts, np.zeros_like(starts)])
+        routes, _ = shared_lanes(GRID, agents, body, cells, 120, still)
+        return route_value(GRID, agents, starts, routes, cells, 120)
+
+    drawn = [perimeter_places(GRID, 4, np.random.default_rng(seed)) for seed in range(8)]
+    assert value(chosen_starts(GRID, agents)) > 1.02 * np.mean([value(starts) for starts in drawn])
+
+
+def test_starts_that_are_chosen_do_not_hang_on_the_seed_and_those_drawn_do():
+    chosen, drawn = Joint(start="chosen"), Joint()
+    np.testing.assert_array_equal(SCENE.starts(chosen, 1), SCENE.starts(chosen, 2))
+    assert not np.array_equal(SCENE.starts(drawn, 1), SCENE.starts(drawn, 2))
+
+
+@pytest.mark.parametrize("prior", ["uniform", "kriged", "known"])
+def test_streets_that_go_on_serve_every_prior(prior):
+    scene = Scene(World(blocks(24)), estimator=Estimator(prior=prior), seconds=40)
+    with_streets, without = (simulate(scene, Joint(streets=streets, first_rounds=2), 3) for streets in (True, False))
+    assert np.array_equal(with_streets.places_m, without.places_m) == (prior == "known")
 
 
 @settings(deadline=None, max_examples=20)
@@ -148,6 +205,7 @@ def test_climbing_is_ahead_of_lanes_alone():
 @pytest.mark.parametrize(
     ("kind", "bad"),
     [
+        (Joint, {"start": "corner"}),
         (Joint, {"capture": 0.0}),
         (Joint, {"reach": np.nan}),
         (Joint, {"target": -1.0}),

@@ -12,6 +12,7 @@ from sooner.belief.information import (
     look_information,
 )
 from sooner.belief.state_information import InformationTable, state_entropy, state_information
+from sooner.belief.street_continuation import StreetContinuation, StreetModel
 from sooner.belief.street_kriging import KrigingSession, StreetKriging, street_directions
 from sooner.belief.track_before_detect import Track, TrackBeforeDetect
 from sooner.belief.tracks import Following, Tracks
@@ -25,7 +26,9 @@ __all__ = [
     "Following",
     "InformationTable",
     "KrigingSession",
+    "StreetContinuation",
     "StreetKriging",
+    "StreetModel",
     "Track",
     "TrackBeforeDetect",
     "Tracks",

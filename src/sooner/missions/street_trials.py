@@ -16,7 +16,7 @@ from sooner.simulation.strategies import STRATEGIES, Strategy, make_strategy
 
 __all__ = ["COLUMNS", "DEFAULT_STRATEGY", "StreetTrial", "StreetTrials", "episode_of", "fly_streets", "strategy_named"]
 
-DEFAULT_STRATEGY = "swept_information"
+DEFAULT_STRATEGY = "joint"
 COLUMNS = (
     "seed",
     "e",

@@ -155,19 +155,28 @@ def near(dice, east, north, sigma_m, low, high):
 
 
 @njit(cache=True, nogil=True)
-def heavy_cell(dice, weights, others, first, tries):
-    """Of some cells drawn, that which waits the longest for its first view, by weight."""
+def add_up(weights, others, first, waits):
+    """Sums, cell by cell, of weight times seconds until the first view by any agent, written to `waits` (M,)."""
+    total = 0.0
+    for cell in range(weights.shape[0]):
+        total += weights[cell] * min(others[cell], first[cell])
+        waits[cell] = total
+
+
+@njit(cache=True, nogil=True)
+def heavy_cell(dice, waits):
+    """The heavier of two cells drawn as often as they wait long for their first view, by weight."""
     best, most = 0, -1.0
-    for _ in range(tries):
-        cell = draw_below(dice, weights.shape[0])
-        waits = weights[cell] * min(others[cell], first[cell])
-        if waits > most:
-            best, most = cell, waits
+    for _ in range(2):
+        cell = min(np.searchsorted(waits, draw(dice) * waits[-1]), waits.shape[0] - 1)
+        value = waits[cell] - (waits[cell - 1] if cell > 0 else 0.0)
+        if value > most:
+            best, most = cell, value
     return best
 
 
 @njit(cache=True, nogil=True)
-def move(dice, route, length, shape, cell_m, low, high, weights, others, first, other):
+def move(dice, route, length, shape, cell_m, low, high, waits, other):
     """Write a neighbour of a route to `other`; returns its length and its first waypoint that differs.
 
     shift 50 %, insert 24, delete 10, reverse 10, relocate 6
@@ -178,7 +187,7 @@ def move(dice, route, length, shape, cell_m, low, high, weights, others, first, 
     if length == 0 or (what >= 0.76 and length < most):  # insert
         at = draw_below(dice, length + 1)
         if draw(dice) < 0.7 or length == 0 or at == length:
-            cell = heavy_cell(dice, weights, others, first, 12)
+            cell = heavy_cell(dice, waits)
             row = cell // shape[1]
             east, north = near(dice, (cell - row * shape[1]) * cell_m, (shape[0] - 1 - row) * cell_m, cell_m, low, high)
             at, least = 0, np.inf  # where it costs the least way, or anywhere
@@ -280,7 +289,7 @@ def improve(
     )  # fmt: skip
     trail, legs, gains = np.empty((seconds, 4)), np.empty(seconds, np.int64), np.empty(seconds)
     lasts, marks, mark = np.empty(most + 2, np.int64), np.full(n_cells, -1), 0
-    one, two = np.empty((most, 2)), np.empty((most, 2))
+    one, two, waits = np.empty((most, 2)), np.empty((most, 2)), np.empty(n_cells)
     others[:] = seconds
     for a in range(n_agents):
         lay(
@@ -295,10 +304,9 @@ def improve(
                 starts[a], body, routes[a], lengths[a], seconds, shape, cell_m, weights, others, first,
                 trail, legs, gains, lasts,
             )  # fmt: skip
+            add_up(weights, others, first, waits)
             for _ in range(moves):
-                length, change = move(
-                    dice, routes[a], lengths[a], shape, cell_m, low, high, weights, others, first, one
-                )
+                length, change = move(dice, routes[a], lengths[a], shape, cell_m, low, high, waits, one)
                 mark += 1
                 value = worth(
                     change, body, one, length, seconds, shape, cell_m, weights, others, first, trail, legs, gains,
@@ -310,6 +318,7 @@ def improve(
                         starts[a], body, routes[a], length, seconds, shape, cell_m, weights, others, first,
                         trail, legs, gains, lasts,
                     )  # fmt: skip
+                    add_up(weights, others, first, waits)
         for _ in range(crossings if n_agents > 1 else 0):
             a = draw_below(dice, n_agents)
             b = (a + 1 + draw_below(dice, n_agents - 1)) % n_agents
@@ -454,12 +463,13 @@ def look(shares, cells, target_ratios):
 def weigh(void, nodes, shares, weight, weights):
     """w = n / N + weight b: what it is worth to see each cell a second sooner, written to `weights`.
 
-    n = 1 - v in cells without a detected node, N the nodes detected and those expected, b = r (1 - v)
+    n = 1 - v in cells without a detected node, N the nodes detected and those expected, b = r (1 - v) / sum r (1 - v)
     """
-    expected = 0.0
+    expected, held = 0.0, 0.0
     for cell in range(void.shape[0]):
         expected += 1.0 if nodes[cell] else 1.0 - void[cell]
-    expected = max(expected, 1e-9)
+        held += shares[cell] * (1.0 - void[cell])
+    expected, weight = max(expected, 1e-9), weight / max(held, LEAST)
     for cell in range(void.shape[0]):
         here = 0.0 if nodes[cell] else (1.0 - void[cell]) / expected
         weights[cell] = here + weight * shares[cell] * (1.0 - void[cell])

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import product
+from typing import Literal
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from sooner.belief.street_continuation import StreetContinuation
 from sooner.errors import InvalidProblemError
 from sooner.grid import Grid
 from sooner.simulation.agents import Agent, Team
@@ -18,9 +21,11 @@ from sooner.simulation.strategies.lawnmower import lanes, rectangles
 from sooner.simulation.strategies.presence import Presence
 from sooner.simulation.strategies.strategy import Routes, Situation
 
-__all__ = ["Joint", "JointSession", "lane_layouts", "route_value"]
+__all__ = ["Joint", "JointSession", "chosen_starts", "lane_layouts", "route_value", "shared_lanes"]
 
 Floats = NDArray[np.float64]
+
+MOST_SECONDS = 3600  # that starts are chosen for
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,10 @@ class Joint:
 
     Parameters
     ----------
+    start : str                "drawn": on the perimeter where the dice say; "chosen": there, too, but where lanes begin
+                               that share out the ground best, as the lawnmower has its corners (see `chosen_starts`)
+    streets : bool             whether unseen nodes are expected where streets go on (see `StreetContinuation`), or
+                               as the estimator has them
     capture : float            share of the radius within which a waypoint is reached
     reach : float              share of the radius that counts as seen
     target : float             what finding the target is worth against all nodes, until it is detected
@@ -54,9 +63,11 @@ class Joint:
     (1, 3)
     """
 
+    start: Literal["drawn", "chosen"] = "drawn"
+    streets: bool = True
     capture: float = 0.5
     reach: float = 1.0
-    target: float = 2.0
+    target: float = 1.0
     rounds: int = 1
     first_rounds: int = 30
     moves: int = 40
@@ -64,6 +75,8 @@ class Joint:
     waypoints: int = 64
 
     def __post_init__(self) -> None:
+        if self.start not in ("drawn", "chosen"):
+            raise InvalidProblemError(f"start = {self.start!r} came; expected 'drawn' or 'chosen'")
         for name in ("capture", "reach"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):
@@ -77,8 +90,10 @@ class Joint:
             raise InvalidProblemError(f"{self.waypoints} waypoints came; expected at least 2")
 
     def starts(self, grid: Grid, agents: tuple[Agent, ...], drawn: Floats) -> Floats:
-        """On the perimeter, as drawn."""
-        return drawn
+        """(A, 2) float: on the perimeter."""
+        if self.start == "drawn":
+            return drawn
+        return chosen_starts(grid, agents, self.capture, self.reach).copy()
 
     def session(self, situation: Situation, rng: Generator) -> JointSession:
         """Begin a search."""
@@ -100,6 +115,7 @@ class JointSession:
     def __post_init__(self) -> None:
         team, grid = Team(self.situation.agents), self.situation.grid
         self._presence = Presence(grid, self.situation.states)
+        self._streets = StreetContinuation(grid) if self.strategy.streets else None
         self._low, self._high = area(grid)
         self._shape = np.array(grid.shape, np.int64)
         self._bodies = bodies(team, grid, self.strategy.capture, self.strategy.reach)
@@ -129,13 +145,19 @@ class JointSession:
 
         strategy, states = self.strategy, situation.states
         self._presence.states = states
-        self._presence.weigh(strategy.target if situation.sought else 0.0, self._weights)
+        expected = None
+        if self._streets is not None:
+            expected = self._streets.expected_void(states.void, states.explored, states.nodes)
+        self._presence.weigh(strategy.target if situation.sought else 0.0, self._weights, expected)
         if situation.glimpse is not None:
             self._weights *= situation.glimpse
         seconds = int(situation.end_s - situation.now_s)
         rounds, routes = strategy.rounds, situation.routes
         if not self._begun:
-            rounds, routes = strategy.first_rounds, self._lanes(situation, seconds)
+            lanes_at_start = shared_lanes(
+                situation.grid, situation.agents, self._bodies, self._weights, seconds, _starts(situation)
+            )
+            rounds, routes = strategy.first_rounds, lanes_at_start[0]
             self._begun = True
         packed, lengths = pack(routes, strategy.waypoints)
         self.value = improve(
@@ -143,41 +165,6 @@ class JointSession:
             self._low, self._high, self._weights, rounds, strategy.moves, strategy.crossings, self._dice,
         )  # fmt: skip
         return tuple(route[:length].copy() for route, length in zip(packed, lengths, strict=True))
-
-    def _lanes(self, situation: Situation, seconds: int) -> Routes:
-        """The best of the layouts of lanes, each with its parts shared out as well as may be."""
-        from sooner.simulation.strategies._task_kernels import most_valuable
-
-        best, most = situation.routes, -1.0
-        for parts in lane_layouts(situation.grid, situation.agents):
-            values = np.empty((len(situation.agents), len(parts)))
-            choices = np.empty(values.shape, np.int64)
-            for part, (inside, ways) in enumerate(parts):
-                alone = self._alone(situation, ways, np.where(inside, self._weights, 0.0), seconds)
-                values[:, part], choices[:, part] = alone.max(axis=0), alone.argmax(axis=0)
-            chosen = np.empty(len(parts), np.int64)
-            most_valuable(values, chosen)
-            routes = tuple(parts[part][1][choices[agent, part]] for agent, part in enumerate(chosen))
-            value = self._value(situation, routes, self._weights, seconds)[0]
-            if value > most:
-                best, most = routes, value
-        return best
-
-    def _alone(self, situation: Situation, ways: Routes, weights: Floats, seconds: int) -> Floats:
-        """(ways, A) float: what each way is worth to each agent by itself."""
-        n_agents = len(situation.agents)
-        return np.array([self._value(situation, (way,) * n_agents, weights, seconds)[1] for way in ways])
-
-    def _value(self, situation: Situation, routes: Routes, weights: Floats, seconds: int) -> tuple[float, Floats]:
-        from sooner.simulation.strategies._coverage_kernels import value_of
-
-        alone = np.empty(len(routes))
-        packed, lengths = pack(routes, self.strategy.waypoints)
-        value = value_of(
-            _starts(situation), self._bodies, packed, lengths, seconds, self._shape, float(situation.grid.cell_m),
-            weights, alone,
-        )  # fmt: skip
-        return value, alone
 
 
 def route_value(
@@ -197,14 +184,79 @@ def route_value(
     >>> route_value(grid, (Agent(),), np.zeros((1, 2)), (east,), np.eye(9)[8], 60) > 40.0
     True
     """
+    starts = np.hstack([places_m, np.zeros_like(places_m)])
+    return _values(grid, bodies(Team(agents), grid, capture, reach), starts, routes, weights, seconds)[0]
+
+
+def _values(
+    grid: Grid, body: Floats, starts: Floats, routes: Routes, weights: Floats, seconds: int
+) -> tuple[float, Floats]:
+    """J of the routes of a team, and (A,) what each would be worth without the others."""
     from sooner.simulation.strategies._coverage_kernels import value_of
 
     packed, lengths = pack(routes, max(max(len(route) for route in routes), 1))
-    starts = np.hstack([places_m, np.zeros_like(places_m)])
-    body = bodies(Team(agents), grid, capture, reach)
-    shape = np.array(grid.shape, np.int64)
-    room = np.empty(len(agents))
-    return float(value_of(starts, body, packed, lengths, seconds, shape, float(grid.cell_m), weights, room))
+    alone, shape = np.empty(len(routes)), np.array(grid.shape, np.int64)
+    value = value_of(starts, body, packed, lengths, seconds, shape, float(grid.cell_m), weights, alone)
+    return float(value), alone
+
+
+@lru_cache(maxsize=32)
+def chosen_starts(grid: Grid, agents: tuple[Agent, ...], capture: float = 0.5, reach: float = 1.0) -> Floats:
+    """(A, 2) float: where on the perimeter lanes begin that bring the whole ground into view soonest, every cell alike.
+
+    Of the bands, columns and rectangles of `lane_layouts` the best, each lane flown on from where, led back, it enters
+    the ground; in one and a half times what the team would need for the ground without turns.
+
+    >>> chosen_starts(Grid((40, 40), "square8", 5.0), (Agent(),) * 4)[:, 0].tolist()
+    [-2.5, -2.5, -2.5, -2.5]
+    """
+    team = Team(agents)
+    low, high = area(grid)
+    seconds = int(1.5 * np.prod(high - low) / (2.0 * reach * team.radius_m * team.v_max).sum()) + 2
+    body = bodies(team, grid, capture, reach)
+    return shared_lanes(grid, agents, body, np.ones(grid.n_cells), min(seconds, MOST_SECONDS))[1][:, :2]
+
+
+def shared_lanes(
+    grid: Grid, agents: tuple[Agent, ...], body: Floats, weights: Floats, seconds: int, starts: Floats | None = None
+) -> tuple[Routes, Floats]:
+    """The best of the layouts of lanes, each with its parts shared out among agents as well as may be.
+
+    starts : (A, 4) float or None      places and velocities; None: every agent begins where its lanes enter the ground
+
+    Returns the routes, and the starts, (A, 4).
+    """
+    from sooner.simulation.strategies._task_kernels import most_valuable
+
+    def begun(way: Floats) -> Floats:
+        return np.tile(_entrance(grid, way), (len(agents), 1)) if starts is None else starts
+
+    found = []
+    for parts in lane_layouts(grid, agents):
+        values = np.empty((len(agents), len(parts)))
+        choices = np.empty(values.shape, np.int64)
+        for part, (inside, ways) in enumerate(parts):
+            here = np.where(inside, weights, 0.0)
+            alone = np.array([_values(grid, body, begun(way), (way,) * len(agents), here, seconds)[1] for way in ways])
+            values[:, part], choices[:, part] = alone.max(axis=0), alone.argmax(axis=0)
+        chosen = np.empty(len(parts), np.int64)
+        most_valuable(values, chosen)
+        routes = tuple(parts[part][1][choices[agent, part]] for agent, part in enumerate(chosen))
+        begins = np.array([begun(route)[agent] for agent, route in enumerate(routes)])
+        found.append((_values(grid, body, begins, routes, weights, seconds)[0], routes, begins))
+    _, routes, begins = max(found, key=lambda layout: layout[0])
+    return routes, begins
+
+
+def _entrance(grid: Grid, way: Floats) -> Floats:
+    """(4,) float: at rest where the first leg, led back, enters the ground."""
+    low, high = area(grid)
+    back = way[0] - way[1]
+    if not back.any():  # a lane of no length enters from the west
+        back = np.array([-1.0, 0.0])
+    room = np.where(back > 0.0, high - way[0], way[0] - low)
+    metres = room[back != 0.0] / np.abs(back[back != 0.0])
+    return np.append(np.clip(way[0] + metres.min() * back, low, high), [0.0, 0.0])
 
 
 def lane_layouts(grid: Grid, agents: tuple[Agent, ...]) -> list[list[tuple[NDArray[np.bool_], Routes]]]:

@@ -58,8 +58,12 @@ class Presence:
         self.shares[near] = np.minimum(self.shares[near], level)
         self.shares /= float((self.shares * (1.0 - self.states.void)).sum())
 
-    def weigh(self, target: float, weights: NDArray[np.float64]) -> None:
-        """Write (M,) w = n / N + target b: the worth of a cell's first view coming a second sooner."""
+    def weigh(self, target: float, weights: NDArray[np.float64], expected: NDArray[np.float64] | None = None) -> None:
+        """Write (M,) w = n / N + target b: the worth of a cell's first view coming a second sooner.
+
+        expected : (M,) float or None      void probabilities that are thought better than those of the states
+        """
         from sooner.simulation.strategies._coverage_kernels import weigh
 
-        weigh(self.states.void, self.states.nodes, self.shares, target, weights)
+        void = self.states.void if expected is None else expected
+        weigh(void, self.states.nodes, self.shares, target, weights)
