@@ -38,7 +38,7 @@ def stencil(angles, weights, along_m, across_m, cell_m, reach, least, width, shi
     return n
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True)
 def _spread(x, shifts, values, n, first, last, out):
     """out = K x on the framed cells `first` to `last`; slices of one length let the compiler take several at a time."""
     size = last - first
@@ -52,7 +52,7 @@ def _spread(x, shifts, values, n, first, last, out):
             result[i] += value * (before[i] + after[i])
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True)
 def _solve(goal, known, shifts, values, n, first, last, tolerance, most, x, r, p, q):
     """K x = goal on the known cells by conjugate gradients from x as it comes; r, p, q are room to work in."""
     size = last - first
@@ -119,7 +119,7 @@ def peaks(edge_angles, counts, angles, weights):
     return found
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True)
 def krige(
     void, explored, height, width, frame, angles, weights, along_m, across_m, cell_m, least, error, most, floor, room,
     out,
