@@ -22,7 +22,7 @@ from sooner.simulation.strategies._task_kernels import (
     nearest_sites,
     taught_in_view,
 )
-from sooner.simulation.strategies.information import ROLLOUT_STEP_S, SWEPT_INFORMATION, Information
+from sooner.simulation.strategies.information import ROLLOUT_STEP_S, SWEPT_INFORMATION, UTILITIES, Information
 from sooner.simulation.strategies.strategy import Situation
 
 from .streets import blocks
@@ -139,28 +139,32 @@ def plain_assignment(
     def flown(agent: Agent, state: tuple[float, ...], task: int) -> tuple[float, np.ndarray, tuple[float, ...]]:
         limits = agent.v_max, agent.a_max, 0.1 * agent.radius_m, 512.0, ROLLOUT_STEP_S, 1.0
         seconds, n, *after = fly_to(*state, *tasks[task], *limits, trace)
-        return seconds, looks_in_view(trace[:n], agent.radius_m), tuple(after)
+        return seconds, trace[:n].copy(), tuple(after)
+
+    def taught(agent: Agent, way: np.ndarray, share: np.ndarray) -> float:
+        if utility == "swept":
+            return float((left * (1.0 - (1.0 - share) ** looks_in_view(way, agent.radius_m))).sum())
+        highest = [(left * share)[looks_in_view(place[None], agent.radius_m) > 0].max(initial=0.0) for place in way]
+        return float(max(highest, default=0.0) if utility == "maximum" else sum(highest))
 
     for step in range(3):
         R = np.zeros((len(team), len(tasks)))
         for i, agent in enumerate(team):
             candidates = free - {own[i]} if step == 0 else free
             for j in sorted(candidates, key=lambda j: np.hypot(*(tasks[j] - states[i][:2])))[:6]:
-                seconds, looks, _ = flown(agent, states[i], j)
-                swept = (left * (1.0 - (1.0 - shares[i]) ** looks)).sum()
-                bits = (left * shares[i])[looks > 0].max(initial=0.0) if utility == "maximum" else swept
-                R[i, j] = (bits + 1e-9) / max(seconds, 1.0)
+                seconds, way, _ = flown(agent, states[i], j)
+                R[i, j] = (taught(agent, way, shares[i]) + 1e-9) / max(seconds, 1.0)
         columns = sorted(free)
         _, chosen = linear_sum_assignment(R[:, columns], maximize=True)
         for i, j in enumerate(np.array(columns)[chosen]):
             free.remove(j)
-            _, looks, states[i] = flown(team[i], states[i], j)
-            left *= (1.0 - shares[i]) ** looks
+            _, way, states[i] = flown(team[i], states[i], j)
+            left *= (1.0 - shares[i]) ** looks_in_view(way, team[i].radius_m)
             routes[i, step] = tasks[j]
     return routes
 
 
-@pytest.mark.parametrize("utility", ["maximum", "swept"])
+@pytest.mark.parametrize("utility", UTILITIES)
 @pytest.mark.parametrize("alike", [True, False])
 @pytest.mark.parametrize("seed", range(4))
 def test_waypoints_are_those_of_the_paper_read_aloud(seed: int, alike: bool, utility: str) -> None:
@@ -174,7 +178,7 @@ def test_waypoints_are_those_of_the_paper_read_aloud(seed: int, alike: bool, uti
     v_max, a_max, radius = np.array(columns)
     assign(
         places, np.zeros((3, 2)), v_max, a_max, radius, 0.1 * radius, tasks, own, left.copy(), shares,
-        np.arange(3), HEIGHT, WIDTH, 5.0, 6, utility == "swept", ROLLOUT_STEP_S, routes,
+        np.arange(3), HEIGHT, WIDTH, 5.0, 6, UTILITIES.index(utility), ROLLOUT_STEP_S, routes,
     )  # fmt: skip
     assert routes == pytest.approx(expected)
 

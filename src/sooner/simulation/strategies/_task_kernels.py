@@ -181,15 +181,15 @@ def _nearest_tasks(east, north, tasks, taken, n_near, near):
 @njit(cache=True, nogil=True)
 def assign(
     places, velocities, v_max, a_max, radius_m, arrive_m, tasks, own, left, shares, kinds, height, width, cell_m,
-    n_near, swept, step_s, routes,
+    n_near, utility, step_s, routes,
 ):  # fmt: skip
     """Waypoints one step after another: at each, the agents share the tasks so that the total utility is largest.
 
     places, velocities : (A, 2); v_max, a_max, radius_m, arrive_m : (A,); tasks : (n, 2); own : (A,) int64, a task that
     is no candidate of an agent's first step; left : (M,), bits to be learnt of each cell, from which what looks along
     chosen flights take is removed; shares : (K, M), what one look of each kind takes; kinds : (A,) int64, whose looks
-    are of which kind; swept : bool, the utility is the sum over cells in view instead of the largest of them, each over
-    the seconds; routes : (A, steps, 2), written.
+    are of which kind; utility : int, over the seconds of the way, of what looks along it teach of cells in view: the
+    largest (0), the sum of each look's largest (1) or the sum over cells (2); routes : (A, steps, 2), written.
     """
     n_agents, n_tasks = places.shape[0], tasks.shape[0]
     trace, marks, now = np.empty((512, 2)), np.full(left.shape[0], -1), np.empty(left.shape[0])
@@ -219,8 +219,10 @@ def assign(
                 worth = 0.0
                 for i in range(n_seen):
                     east, north = trace[i, 0] / cell_m, trace[i, 1] / cell_m
-                    if swept:
+                    if utility == 2:
                         worth += taught_in_view(east, north, radius, left, share, height, width, mark, marks, now)
+                    elif utility == 1:
+                        worth += highest_in_view(east, north, radius, left, share, height, width)
                     elif worth < highest:
                         worth = max(worth, highest_in_view(east, north, radius, left, share, height, width))
                 mark += 1

@@ -21,6 +21,7 @@ from sooner.simulation.strategies.strategy import Routes, Situation
 
 __all__ = ["SWEPT_INFORMATION", "Information", "InformationSession"]
 
+UTILITIES = ("maximum", "accumulated", "swept")  # by the numbers that the kernel knows them by
 ROLLOUT_STEP_S = 0.2  # of Euler's rule in rollouts; flights of 11 s come out 0.1 s too long, and 3 cm beside
 
 
@@ -45,7 +46,9 @@ class Information:
     waypoints : int        n_w, with the agent's own place as the first
     neighbours : int       n_b
     utility : str          "maximum", the paper's I_max: the most information of a single cell that comes in view on the
-                           way; or "swept": what looks along the way teach of all cells in view. Both over the time T
+                           way; "accumulated": the sum over looks on the way of the most that each teaches of a cell,
+                           another reading of the paper's words; or "swept": what looks along the way teach of all
+                           cells in view. Each over the time T
     capture : float        share of the radius within which a waypoint is reached in flight
     arrive : float         the same in rollouts, which tell T
     floor : float          added to the density in bits, so that known ground has its tasks as well
@@ -75,7 +78,7 @@ class Information:
     tasks: int = 100
     waypoints: int = 4
     neighbours: int = 15
-    utility: Literal["maximum", "swept"] = "maximum"
+    utility: Literal["maximum", "accumulated", "swept"] = "maximum"
     capture: float = 2.0 / 3.0
     arrive: float = 0.1
     floor: float = 0.001
@@ -89,8 +92,8 @@ class Information:
                 f"{self.tasks} tasks, {self.waypoints} waypoints, {self.neighbours} neighbours, {self.rounds} rounds "
                 "came; expected at least 1, 2, 1 and 1"
             )
-        if self.utility not in ("maximum", "swept"):
-            raise InvalidProblemError(f"utility {self.utility!r} came; expected 'maximum' or 'swept'")
+        if self.utility not in UTILITIES:
+            raise InvalidProblemError(f"utility {self.utility!r} came; expected one of {', '.join(UTILITIES)}")
         for name in ("capture", "arrive", "floor", "gain", "near_m"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):
@@ -169,7 +172,7 @@ class InformationSession:
         assign(
             situation.places_m, situation.velocities_mps, *self._team, self.middles,
             self._own_tasks(situation.places_m), left, shares, self._kinds, height, width,
-            float(situation.grid.cell_m), strategy.neighbours, strategy.utility == "swept", self._step_s, routes,
+            float(situation.grid.cell_m), strategy.neighbours, UTILITIES.index(strategy.utility), self._step_s, routes,
         )  # fmt: skip
         return tuple(routes)
 
