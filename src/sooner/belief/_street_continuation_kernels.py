@@ -139,7 +139,7 @@ def _strongest(strengths):
     return best, second, facing
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True)
 def expect(marks, explored, hidden, offsets, output, bias, floor, void):
     """void = 1 / (1 + exp(bias + sum_h output_h max(sum_k marks_k hidden_kh + offset_h, 0))) of cells not explored.
 
