@@ -217,9 +217,7 @@ class RegionMoves:
             found += np.bincount(self.graph.footprints.of(action), minlength=grid.n_cells)
         return found
 
-    def timed(
-        self, actions: Sequence[int] | NDArray[np.int64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def timed(self, actions: Sequence[int] | NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(n, 2) waypoints of a flight, and (n,) about when it is there: an action's time is spread over its length."""
         points, times = [np.zeros((0, 2))], [np.zeros(0)]
         for action, begun, turned in self.flown(actions):
