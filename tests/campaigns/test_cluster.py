@@ -364,7 +364,7 @@ class Misbehaviour:
     def eats():
         eaten = []
         while True:
-            eaten.append(bytearray(10_000_000))
+            eaten.append(bytearray(40_000_000))
             time.sleep(0.005)
 
     def raises():
@@ -379,7 +379,7 @@ def test_a_trial_that_misbehaves_is_contained_as_in_the_pool(dask: Dask) -> None
     (dask.folder / "work.py").write_text(MISBEHAVE)
     planners = "dies = { }\nhangs = { }\neats = { }\nraises = { }\n"
     study = STUDY.replace("a = { }\nb = { }\n", planners).replace("trials = 6", "trials = 3")
-    (dask.folder / "study.toml").write_text(study.replace("seconds = 60", "seconds = 2\nmemory_mb = 400"))
+    (dask.folder / "study.toml").write_text(study.replace("seconds = 60", "seconds = 3\nmemory_mb = 400"))
     dask.scheduler()
     worker = dask.worker("--nthreads", "2")
     assert dask.ran(dask.client()).split() == ["8"]
