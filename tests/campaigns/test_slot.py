@@ -247,7 +247,7 @@ def test_mishaps_are_retried_once_then_set_aside_and_the_rest_goes_on(study, tmp
         'eats = { mishap = "eats" }\nraises = { mishap = "raises" }\nagain = { mishap = "raises once" }\n'
         'killed = { mishap = "killed" }\nspared = { mishap = "killed 4 times" }\n',
         trials=1,
-        limits="seconds = 2\nmemory_mb = 400",
+        limits="seconds = 3\nmemory_mb = 400",
     )
     with run_study(read_study(folder), tmp_path / "out", workers=2) as ran:
         assert (ran.progress.done, ran.progress.aside, ran.progress.total) == (3, 5, 8)

@@ -49,7 +49,7 @@ def hangs(trial, folder):
 def eats(trial, folder):
     eaten = []
     while True:
-        eaten.append(bytearray(b"x") * 20_000_000)
+        eaten.append(bytearray(b"x") * 40_000_000)
         time.sleep(0.01)
 
 
