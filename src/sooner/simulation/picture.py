@@ -33,6 +33,7 @@ AGENTS = (
 )
 TARGET, UNEXPLORED, EXPLORED, HIDDEN, NODE = "#d62728", "#d6d9de", "#ffffff", "#aab0b9", "#1f3a5f"
 MOST_FRAMES = 1000
+LEAP = 3.0  # cells between one second and the next that nobody walks
 
 
 def picture_of(episode: Episode) -> bytes:
@@ -147,12 +148,16 @@ def _draw_calls(axes: Axes, episode: Episode, first: int, last: int) -> None:
 
 
 def _draw_followed(axes: Axes, episode: Episode, first: int, last: int) -> None:
-    """Where targets that were found were likeliest: dotted ways, and at the end of each the number of its call."""
+    """Where targets that were found were likeliest: dotted ways, and at the end of each the number of its call.
+
+    A track that changes its mind leaps; a way has a gap there.
+    """
     second, number, cell = episode.followed.T
-    now = (second >= first) & (second <= last)
+    now, side = (second >= first) & (second <= last), float(episode.scene.grid.cell_m)
     for each in np.unique(number[now]).tolist():
         way = episode.scene.grid.centres_m[cell[now & (number == each)]]
-        axes.plot(*way.T, color=TARGET, lw=1.3, ls=":", zorder=6)
+        leaps = 1 + np.flatnonzero(np.hypot(*np.diff(way, axis=0).T) > LEAP * side)
+        axes.plot(*np.insert(way, leaps, np.nan, axis=0).T, color=TARGET, lw=1.3, ls=":", zorder=6)
         axes.annotate(
             str(each), way[-1], (6, 5), textcoords="offset points", fontsize=9, color=TARGET, zorder=7, weight="bold"
         )
