@@ -169,6 +169,16 @@ BAD = {
         "sensor.radius_m",
         "at least half a cell, 2 m",
     ),
+    "a radius beyond all": (
+        REGIONS.replace("radius_m = 6.0", "radius_m = 1e300"),
+        "sensor.radius_m",
+        "at most 1000000",
+    ),
+    "a camera that sees beyond all": (
+        REGIONS.replace("radius_m = 6.0", CAMERA.replace("fov_deg = 90", "fov_deg = 179.9999999")),
+        "sensor.camera",
+        "a narrower view",
+    ),
     "radius and camera": (REGIONS.replace("radius_m", f"{CAMERA}\nradius_m"), "sensor", "radius_m and camera came"),
     "half a camera": (
         REGIONS.replace("radius_m = 6.0", "camera = { fov_deg = 90, altitude_m = 9, pixels = 1200 }"),

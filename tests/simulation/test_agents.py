@@ -99,7 +99,9 @@ def test_agents_of_a_team_do_not_touch_one_another():
     np.testing.assert_allclose(places[1], alone[-1])
 
 
-@pytest.mark.parametrize("bad", [{"v_max": 0.0}, {"a_max": np.nan}, {"radius_m": -1.0}, {"v_max": 0.01, "a_max": 9.0}])
+@pytest.mark.parametrize(
+    "bad", [{"v_max": 0.0}, {"a_max": np.nan}, {"radius_m": -1.0}, {"radius_m": 1e300}, {"v_max": 0.01, "a_max": 9.0}]
+)
 def test_impossible_agents_are_refused(bad):
     with pytest.raises(InvalidProblemError, match="expected"):
         Agent(**bad)

@@ -101,6 +101,12 @@ def test_targets_fall_into_their_cells_or_half_a_cell_away():
     assert half.tolist() == [GRID.index((18, 1)), GRID.index((16, 2)), GRID.index((18, 0))]
 
 
+def test_an_agent_that_does_not_see_the_cell_beneath_it_is_refused():
+    assert Sensing(GRID, (Agent(radius_m=GRID.cell_m / 2),)).most_looks > 0
+    with pytest.raises(InvalidProblemError, match="expected at least half a cell"):
+        Sensing(GRID, (Agent(), Agent(radius_m=1e-9)))
+
+
 def test_an_offset_of_more_than_a_cell_is_refused():
     with pytest.raises(InvalidProblemError, match="expected at most a cell"):
         Sensing(GRID, (Agent(),), (2.0, 0.0))

@@ -149,6 +149,7 @@ def test_an_evasive_target_goes_where_no_searcher_is_near():
     [
         ({"places_m": [[np.nan, 0.0]]}, "no numbers"),
         ({"places_m": [[0.0, 0.0]], "reach_m": 0.0}, "reach"),
+        ({"places_m": [[0.0, 0.0]], "reach_m": 1e300}, "expected 0.001 to 1e6 m"),
         ({"places_m": [[0.0, 0.0]], "boldness": 0.0}, "boldness"),
     ],
 )

@@ -29,6 +29,7 @@ __all__ = ["OverRegions", "dynamics_of"]
 # In radii of the sensor: what the paper's counts of regions ask for at its 8.8 m, 75 cells of 2.2 m and 3 columns.
 MIN_AREA, MIN_WIDTH = 75 * 2.2**2 / 8.8**2, 3 * 2.2 / 8.8
 CHUNK, MIN_CHUNK = 52.8 / 8.8, 363.0 / 8.8**2  # tuned at the same radius, see `regions_for`
+FARTHEST_M = 1e6  # that a camera sees, as `sensor.radius_m`
 MAX_ACTIONS = 50_000  # of a flight: at four times as many, a plan of 3 s was 30 s late
 SMALL_PART = 0.005  # of free ground, cut off: not worth a note
 
@@ -269,6 +270,9 @@ class _Reach:
             faults.add("sensor", "radius_m and camera came", "expected one of them")
         elif sensor.camera is not None:
             radius_m, sharp = _seen(faults, sensor.camera)
+            if radius_m is not None and radius_m > FARTHEST_M:
+                came = f"a camera came that sees {radius_m:.3g} m to each side"
+                faults.add("sensor.camera", came, f"expected at most {FARTHEST_M:g} m: a narrower view")
             return cls(radius_m, sharp, "[sensor.camera]")
         elif sensor.radius_m is None and not faults.among("sensor.radius_m") and not faults.among("sensor.camera"):
             expected = "expected metres, or a camera: over regions cells so near to the path are looked at"

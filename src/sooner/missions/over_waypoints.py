@@ -75,7 +75,7 @@ def read_street_mission(path: Path) -> StreetMission:
     for fault in misplaced(settings, str(path)):
         faults.add(fault.key, fault.came, fault.expected)
     streets = _streets(faults, settings)
-    agents = [_agent(faults, settings, number) for number in range(len(settings.searcher))]
+    agents = [_agent(faults, settings, number, streets) for number in range(len(settings.searcher))]
     seconds, replan_s = _seconds(faults, settings)
     starts = _starts(faults, settings, streets)
     glimpse = _glimpse(faults, settings, streets)
@@ -148,10 +148,15 @@ def _extract(file: Path, settings: Settings) -> StreetMap:
     return read_openstreetmap(file, shape, cell_m, corner, window.scale, window.cut)
 
 
-def _agent(faults: Faults, settings: Settings, number: int) -> Agent | None:
+def _agent(faults: Faults, settings: Settings, number: int, streets: StreetMap | None) -> Agent | None:
     said, sensor, key = settings.searcher[number], settings.sensor, f"searcher[{number}]"
     _check_searcher(faults, key, said)
     radius_m = sensor.radius_m if said.radius_m is None else said.radius_m
+    cell_m = None if streets is None else streets.graph.grid.cell_m
+    if radius_m is not None and cell_m is not None and radius_m < cell_m / 2:
+        where = "sensor.radius_m" if said.radius_m is None else f"{key}.radius_m"
+        came = f"{radius_m:.3g} m came, and cells of {cell_m:g} m"
+        faults.once(where, came, f"expected at least half a cell, {cell_m / 2:g} m: looks must cover the path")
     if radius_m is None and not faults.among("sensor.radius_m") and not faults.among(f"{key}.radius_m"):
         faults.add("sensor.radius_m", "nothing came", "expected metres: how far a drone sees")
     if radius_m is None or said.speed_mps is None or said.accel_mps2 is None:

@@ -136,7 +136,7 @@ class Sensor(_Table):
     prior_looks: Positive = Field(
         default=2.0, description="of model `beta`: how many looks the evidence stands for; 2 with theta 0.5: any rate"
     )
-    radius_m: Positive | None = Field(
+    radius_m: Metres | None = Field(
         default=None,
         description="over regions: cells with centres so near to the path are looked at (or `camera`); over waypoints: "
         "all cells with centres so near are looked at every second",
@@ -154,7 +154,7 @@ class Sensor(_Table):
     camera: CameraSettings | None = Field(
         default=None, description="over regions, instead of `radius_m`: a table, as below"
     )
-    range_m: Positive | None = Field(
+    range_m: Metres | None = Field(
         default=None, description="over regions: how far ahead obstacles are seen; no faster than stops within it"
     )
 
@@ -187,7 +187,7 @@ class Searching(_Table):
         default=None,
         description="at which an exported flight is flown, above where it takes off; left out: the camera's, or 60",
     )
-    radius_m: Positive | None = Field(default=None, description="over waypoints: its own, instead of the sensor's")
+    radius_m: Metres | None = Field(default=None, description="over waypoints: its own, instead of the sensor's")
     map_sensitivity: Sensitivity | None = Field(default=None, description="over waypoints: likewise")
     target_sensitivity: Sensitivity | None = Field(default=None, description="over waypoints: likewise")
 
@@ -241,7 +241,7 @@ class TargetSettings(_Table):
     )
     turn_shape: Positive = Field(default=0.1, description="how that falls off with the angle of the turn")
     bias: Literal["none", "evasive"] = Field(default="none", description="`evasive`: it shies away from drones")
-    reach_m: Positive = Field(default=12.5, description="of bias `evasive`: how far off it notices a drone")
+    reach_m: Metres = Field(default=12.5, description="of bias `evasive`: how far off it notices a drone")
     boldness: float = Field(
         default=0.05,
         gt=0,
@@ -306,11 +306,11 @@ class Cutting(_Table):
         description="`aware`: at the borders of where there is more to find, too, if it is more here than there; "
         "`plain`: by obstacles alone, as the paper",
     )
-    chunk_m: Positive | None = Field(
+    chunk_m: Metres | None = Field(
         default=None,
         description="of cut `aware`: widest region there, wider where there were too many. Left out: 6 radius",
     )
-    spacing_m: Positive | None = Field(
+    spacing_m: Metres | None = Field(
         default=None,
         description="between plow lines, at most 2 radius. Left out: the radius; 1.75 radius where time is short",
     )

@@ -15,6 +15,7 @@ from sooner.sensors.graded import GradedSensor
 __all__ = ["Agent", "Team", "flight"]
 
 MOST_AGENTS = 1000
+FARTHEST_M = 1e6  # that anybody sees: squares of metres stay numbers
 STEP_S = 0.02  # of Euler's rule; a hundredth of it moves an agent by less than 5 cm a minute
 
 
@@ -29,14 +30,14 @@ class Agent:
     ----------
     v_max : float                    m/s, never passed
     a_max : float                    m/s^2, never passed by the thrust
-    radius_m : float                 how far it sees
+    radius_m : float                 how far it sees, at most 1e6
     map_sensor : GradedSensor        has a signal in cells that are not void
     target_sensor : GradedSensor     has a signal where a target is
 
     Raises
     ------
-    InvalidProblemError              if a number is not positive, or so large against the others that flight cannot be
-                                     followed in steps of 0.02 s
+    InvalidProblemError              if a number is not positive, a radius beyond 1e6 m, or a thrust so large
+                                     against the speed that flight cannot be followed in steps of 0.02 s
 
     Examples
     --------
@@ -55,6 +56,10 @@ class Agent:
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):
                 raise InvalidProblemError(f"an agent with {name} = {value} came; expected a positive number")
+        if self.radius_m > FARTHEST_M:
+            raise InvalidProblemError(
+                f"an agent with radius_m = {self.radius_m} came; expected at most {FARTHEST_M:g} m"
+            )
         if STEP_S * self.a_max > 0.5 * self.v_max:
             raise InvalidProblemError(
                 f"an agent with a_max = {self.a_max} m/s^2 and v_max = {self.v_max} m/s came; expected it to need more "

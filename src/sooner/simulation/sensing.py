@@ -36,8 +36,8 @@ class Sensing:
 
     Raises
     ------
-    InvalidProblemError                   if the offset is more than a cell, or not a number; if the glimpse is not one
-                                          probability for each cell
+    InvalidProblemError                   if an agent sees less far than half a cell; if the offset is more than a cell,
+                                          or not a number; if the glimpse is not one probability for each cell
 
     Notes
     -----
@@ -57,6 +57,12 @@ class Sensing:
     glimpse: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
+        for agent in self.agents:
+            if agent.radius_m < self.grid.cell_m / 2.0:
+                raise InvalidProblemError(
+                    f"an agent with radius_m = {agent.radius_m:g} came, and cells of {self.grid.cell_m:g} m; "
+                    f"expected at least half a cell, {self.grid.cell_m / 2.0:g} m: looks must cover the path"
+                )
         if not all(np.isfinite(part) and abs(part) <= 1.0 for part in self.target_offset):
             raise InvalidProblemError(f"a target offset of {self.target_offset} came; expected at most a cell each way")
         if self.glimpse is not None:

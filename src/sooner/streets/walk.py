@@ -132,12 +132,12 @@ class Evasive:
     Parameters
     ----------
     places_m : (A, 2) float     searchers, metres east and north; where there are none, nothing changes
-    reach_m : float             how far a searcher is felt
+    reach_m : float             how far a searcher is felt, 0.001 to 1e6
     boldness : float            b, the factor beneath a searcher, in (0, 1]: 1 for no fear
 
     Raises
     ------
-    InvalidProblemError         if places are no finite numbers, reach is not positive, or boldness out of (0, 1]
+    InvalidProblemError         if places are no finite numbers, reach is out of [0.001, 1e6], or boldness out of (0, 1]
     """
 
     places_m: NDArray[np.float64]
@@ -148,8 +148,8 @@ class Evasive:
         places = np.array(self.places_m, np.float64).reshape(-1, 2)
         if not np.isfinite(places).all():
             raise InvalidProblemError("places of searchers that are no numbers came; expected metres")
-        if not (np.isfinite(self.reach_m) and self.reach_m > 0.0):
-            raise InvalidProblemError(f"a reach of {self.reach_m} m came; expected a positive number")
+        if not 0.001 <= self.reach_m <= 1e6:  # its square stays a number
+            raise InvalidProblemError(f"a reach of {self.reach_m} m came; expected 0.001 to 1e6 m")
         if not 0.0 < self.boldness <= 1.0:
             raise InvalidProblemError(f"a boldness of {self.boldness} came; expected a number in (0, 1]")
         object.__setattr__(self, "places_m", places)
