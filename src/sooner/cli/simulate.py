@@ -150,7 +150,8 @@ def gathered(trials: Iterator[T], count: int, quiet: bool) -> tuple[tuple[T, ...
         return tuple(flown), INTERRUPTED
     finally:
         if isinstance(trials, Generator):
-            trials.close()
+            with uninterrupted():
+                trials.close()
     return tuple(flown), DONE
 
 

@@ -7,9 +7,13 @@ import multiprocessing
 import os
 import signal
 import sys
+import time
+from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
 from sooner.errors import DataFormatError, Fault
@@ -18,12 +22,17 @@ __all__ = ["for_each_seed"]
 
 T = TypeVar("T")
 DEAD_WITH_PARENT = 1  # PR_SET_PDEATHSIG
+CHUNK_S = 0.1  # of work sent to a process at once: what an interruption may lose
+MOST = 16  # seeds sent at once; what comes of them fits into one write to a pipe, so that an end never cuts it
+AHEAD = 3  # chunks for each process that are under way
 
 _work: Callable[[int], Any]
 
 
 def for_each_seed(work: Callable[[int], T], seeds: range, workers: int = 1) -> Iterator[T]:
     """What the work makes of each seed, in the order of seeds.
+
+    Where Ctrl-C comes while it waits for other processes, what these have made comes still, then KeyboardInterrupt.
 
     Parameters
     ----------
@@ -47,20 +56,65 @@ def for_each_seed(work: Callable[[int], T], seeds: range, workers: int = 1) -> I
     others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin, (work, os.getpid()))
     try:
-        yield from pool.map(_do, seeds, chunksize=max(1, min(16, len(seeds) // (4 * workers))))
-        pool.shutdown()
+        yield from _in_order(pool, seeds, workers)
     except BrokenProcessPool:
         expected = "expected memory for all of them: ask for fewer"
         raise DataFormatError(Fault("--workers", "", "a process was ended from outside", expected)) from None
+    else:
+        pool.shutdown()
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for process in set(multiprocessing.active_children()) - others:  # interrupted: nobody waits for their answers
-            process.terminate()
+        # Nobody waits for what is under way. It is not cancelled: the pool's own thread would fail on that.
+        for process in set(multiprocessing.active_children()) - others:
+            process.kill()
+        pool.shutdown()
+
+
+def _in_order(pool: ProcessPoolExecutor, seeds: range, workers: int) -> Iterator[Any]:
+    """What comes of the seeds, of which as many are sent at once as take about `CHUNK_S`."""
+    ahead: deque[Future[tuple[float, list[Any]]]] = deque()
+    sent, size = 0, 1
+    try:
+        while ahead or sent < len(seeds):
+            while sent < len(seeds) and len(ahead) < AHEAD * workers:
+                ahead.append(_sent(pool, seeds[sent : sent + size], not sent))
+                sent += size
+            seconds, made = ahead[0].result()
+            ahead.popleft()
+            yield from made
+            size = max(1, min(MOST, 2 * size, int(CHUNK_S * len(made) / max(seconds, 1e-9))))
+    except KeyboardInterrupt:
+        for chunk in ahead:
+            if chunk.done() and chunk.exception() is None:
+                yield from chunk.result()[1]
+        raise
+
+
+def _sent(pool: ProcessPoolExecutor, seeds: range, first: bool) -> Future[tuple[float, list[Any]]]:
+    """Send seeds to a process; with the first of them processes begin, and are not to hear of Ctrl-C meanwhile."""
+    if not first:
+        return pool.submit(_do, seeds)
+    with _deaf():
+        return pool.submit(_do, seeds)
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Let signals wait; processes that begin meanwhile never hear them."""
+    if sys.platform == "win32":
+        yield
+        return
+    resource_tracker.ensure_running()  # where it begins only with the first process, it lets signals through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin(work: Callable[[int], Any], parent: int) -> None:
     global _work
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that asked
+    for number in (signal.SIGINT, signal.SIGTERM):  # an end is for the process that asked, and it ends the others
+        signal.signal(number, signal.SIG_IGN)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(DEAD_WITH_PARENT, signal.SIGKILL)
         if os.getppid() != parent:
@@ -68,5 +122,8 @@ def _begin(work: Callable[[int], Any], parent: int) -> None:
     _work = work
 
 
-def _do(seed: int) -> Any:
-    return _work(seed)
+def _do(seeds: range) -> tuple[float, list[Any]]:
+    """Seconds it took, and what came of each seed."""
+    begun = time.perf_counter()
+    made = [_work(seed) for seed in seeds]
+    return time.perf_counter() - begun, made
