@@ -353,3 +353,14 @@ def test_outside_lowers_every_cell(mission):
 def test_correlated_looks_pay_less_the_second_time(mission):
     read = read_mission(mission(spoiled("glimpse = 0.5", "glimpse = 0.5\ncorrelation = 1.0")))
     assert read.problem.gains.of(np.array([0]), np.array([1]))[0] == 0.0
+
+
+def test_like_faults_are_told_ten_times_and_counted_and_no_other_is_lost(mission):
+    text = MISSION + "\n".join('[[searcher]]\nstart = [99, 0]\nspeed_mps = "fast"' for _ in range(1000))
+    with pytest.raises(DataFormatError) as refused:
+        read_mission(mission(text.replace(STEPS, "[budget]\nsteps = -1")))
+    told = [str(fault) for fault in refused.value.faults]
+    assert len(told) < 40
+    assert sum("'fast' came" in line for line in told) == 10
+    assert sum("searcher[...].speed_mps: 990 more faults like these" in line for line in told) == 1
+    assert sum("budget.steps" in line for line in told) == 1

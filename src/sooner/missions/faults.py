@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -23,6 +25,9 @@ from sooner.missions.settings import (
 )
 
 __all__ = ["Faults"]
+
+_MOST_LIKE = 10  # faults that differ in numbers and names alone
+_NUMBER_OR_NAME = re.compile(r"'[^']*'|\d+(\.\d+)?")
 
 
 class Faults:
@@ -48,9 +53,9 @@ class Faults:
         return any(each.startswith(key) for each in self.wrong)
 
     def refuse(self) -> None:
-        """Raise DataFormatError with all faults, if there are any."""
+        """Raise DataFormatError with the faults, ten of each kind, if there are any."""
         if self.found:
-            raise DataFormatError(*self.found)
+            raise DataFormatError(*_some_of_each_kind(self.found))
 
     def settings(self, raw: dict[str, Any]) -> Settings:
         """What the file says, without the keys that are wrong; those are reported and left out."""
@@ -65,7 +70,25 @@ class Faults:
                     self.found.append(fault)
             for detail in found:
                 _take_out(raw, detail["loc"])
-        raise DataFormatError(*self.found)
+        raise DataFormatError(*_some_of_each_kind(self.found))
+
+
+def _some_of_each_kind(found: Iterable[Fault]) -> list[Fault]:
+    """The first faults of each kind, and at the end how many more there are of it."""
+    told: list[Fault] = []
+    count: Counter[tuple[str, ...]] = Counter()
+    firsts: dict[tuple[str, ...], Fault] = {}
+    for fault in found:
+        kind = tuple(_NUMBER_OR_NAME.sub("", text) for text in (fault.key, fault.came, fault.expected))
+        count[kind] += 1
+        firsts.setdefault(kind, fault)
+        if count[kind] <= _MOST_LIKE:
+            told.append(fault)
+    for kind, first in firsts.items():
+        if (more := count[kind] - _MOST_LIKE) > 0:
+            key = re.sub(r"\[\d+\]", "[...]", first.key)
+            told.append(Fault(first.file, key, f"{more:,} more faults like these", "see the lines above"))
+    return told
 
 
 def _schema_faults(file: str, raw: dict[str, Any], found: Iterable[ErrorDetails]) -> list[tuple[str, Fault]]:
@@ -163,6 +186,7 @@ _WANTED = {
     "float_parsing": "a number",
     "finite_number": "a finite number",
     "string_type": "text in quotes",
+    "string_pattern_mismatch": "text in one line, without control characters",
     "bool_type": "true or false",
 }
 
@@ -171,7 +195,8 @@ def _wanted(detail: ErrorDetails) -> str:
     kind, limits = detail["type"], detail.get("ctx", {})
     branch = str(detail["loc"][-1]) if detail["loc"] else ""
     if "start" in detail["loc"] or "end" in detail["loc"]:
-        return "[row, col] in whole numbers"
+        place = isinstance(detail["input"], dict) or branch in Place.model_fields
+        return "lat from -90 to 90, lon from -180 to 180" if place else "[row, col] in whole numbers"
     if branch == "searcher":
         return "[[searcher]] tables"
     if kind in _WANTED:
