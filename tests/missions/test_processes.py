@@ -23,8 +23,8 @@ def work(seed):
 
 if __name__ == "__main__":
     made = []
-    if sys.argv[1] == "early":
-        threading.Timer(0.02, lambda: os.killpg(0, signal.SIGINT)).start()
+    if sys.argv[1] != "late":
+        threading.Timer(float(sys.argv[1]), lambda: os.killpg(0, signal.SIGINT)).start()
     try:
         for seed in for_each_seed(work, range(100), 2):
             made.append(seed)
@@ -38,7 +38,7 @@ def test_workers_change_neither_what_comes_nor_its_order():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="process groups")
-@pytest.mark.parametrize("when", ["early", "late"])
+@pytest.mark.parametrize("when", ["0.02", "0.2", "0.6", "late"])
 def test_an_interruption_is_quiet_and_keeps_what_was_made(tmp_path, when):
     (tmp_path / "script.py").write_text(SCRIPT)
     command = [sys.executable, str(tmp_path / "script.py"), when]

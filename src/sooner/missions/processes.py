@@ -53,6 +53,8 @@ def for_each_seed(work: Callable[[int], T], seeds: range, workers: int = 1) -> I
     if workers <= 1:
         yield from map(work, seeds)
         return
+    if sys.platform != "win32":
+        resource_tracker.ensure_running()  # where it begins only with the first process, it lets signals through
     others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin, (work, os.getpid()))
     try:
@@ -75,9 +77,10 @@ def _in_order(pool: ProcessPoolExecutor, seeds: range, workers: int) -> Iterator
     sent, size = 0, 1
     try:
         while ahead or sent < len(seeds):
-            while sent < len(seeds) and len(ahead) < AHEAD * workers:
-                ahead.append(_sent(pool, seeds[sent : sent + size], not sent))
-                sent += size
+            with _deaf():  # sending begins processes, as long as there are fewer than may be
+                while sent < len(seeds) and len(ahead) < AHEAD * workers:
+                    ahead.append(pool.submit(_do, seeds[sent : sent + size]))
+                    sent += size
             seconds, made = ahead[0].result()
             ahead.popleft()
             yield from made
@@ -89,21 +92,12 @@ def _in_order(pool: ProcessPoolExecutor, seeds: range, workers: int) -> Iterator
         raise
 
 
-def _sent(pool: ProcessPoolExecutor, seeds: range, first: bool) -> Future[tuple[float, list[Any]]]:
-    """Send seeds to a process; with the first of them processes begin, and are not to hear of Ctrl-C meanwhile."""
-    if not first:
-        return pool.submit(_do, seeds)
-    with _deaf():
-        return pool.submit(_do, seeds)
-
-
 @contextmanager
 def _deaf() -> Iterator[None]:
     """Let signals wait; processes that begin meanwhile never hear them."""
     if sys.platform == "win32":
         yield
         return
-    resource_tracker.ensure_running()  # where it begins only with the first process, it lets signals through
     before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
     try:
         yield
