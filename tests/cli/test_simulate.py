@@ -7,8 +7,10 @@ import pytest
 
 from sooner.missions import read_mission
 from sooner.missions.plan_episodes import replayed_plan
+from sooner.missions.street_trials import DEFAULT_STRATEGY
 from sooner.simulation import load_episode, replayed
 from sooner.simulation.plan_episode_file import load_plan_episode, plan_episode_npz
+from sooner.simulation.strategies import STRATEGIES
 
 
 @pytest.fixture
@@ -83,7 +85,9 @@ def test_an_empty_city_tells_of_false_detections(sooner, city):
         (("--strategy", "wander"), "'wander' came; expected one of random, lawnmower"),
         (("--planner", "anneal"), "these moves do not know"),
         (("--seconds", "3"), "budget.replan_s"),
+        (("--plan", "plan.csv"), "these moves do not know"),
         (("--trials", "2000000"), "expected at most 1,000,000"),
+        (("--out", ""), "an empty name came"),
     ],
 )
 def test_a_wish_that_cannot_be_is_refused(sooner, city, options, told):
@@ -138,11 +142,67 @@ def test_a_plan_is_made_anew_on_the_way(sooner, evidence):
     assert (told["replan"], told["planner"], told["unit"], told["time_unit"]) == (20.0, "greedy", "targets", "steps")
 
 
-@pytest.mark.parametrize(("every", "told"), [("1.0", "at least one step"), ("nan", "at least one step")])
-def test_a_replan_that_cannot_be_is_refused(sooner, evidence, every, told):
+@pytest.mark.parametrize("every", ["1.0", "nan", "inf", "-5", "60", "1e6"])
+def test_a_replan_that_cannot_be_is_refused(sooner, evidence, every):
     ended = sooner("simulate", evidence, "--trials", "3", "--seconds", "0.2", "--replan", every)
     assert ended.status == 2
-    assert told in ended.err
+    told = "came, and the search lasts 60 s; expected less than that, and at least one step, which takes 2 s"
+    assert f"--replan: {float(every):g} {told}" in ended.err
+
+
+def test_a_replan_in_steps_is_refused_in_steps(sooner, evidence):
+    text = evidence.read_text().replace("speed_mps = 5.0\n", "").replace("seconds = 60", "steps = 30")
+    evidence.write_text(text)
+    ended = sooner("simulate", evidence, "--replan", "30")
+    assert ended.status == 2
+    assert "--replan: 30 came, and the search lasts 30 steps; expected less than that" in ended.err
+
+
+@pytest.mark.parametrize("seconds", ["0", "-1", "nan", "inf"])
+@pytest.mark.parametrize("command", ["simulate", "plan"])
+def test_a_planning_time_that_cannot_be_is_refused_by_its_option(sooner, mission, command, seconds):
+    ended = sooner(command, mission, "--seconds", seconds)
+    assert ended.status == 2
+    assert f"--seconds: {seconds} came; expected a finite number above 0" in ended.err
+
+
+@pytest.mark.parametrize("replan", [(), ("--replan", "20")], ids=["once", "anew"])
+def test_a_plan_that_came_is_flown_and_one_seed_is_one_answer(sooner, evidence, replan):
+    assert sooner("plan", evidence, "--seconds", "0.2", "--planner", "greedy").status == 0
+    came = evidence.parent / "mission-plan" / "plan.csv"
+    first, again = (
+        sooner("simulate", evidence, "--plan", came, "--trials", "5", "--json", "-q", *replan) for _ in range(2)
+    )
+    assert first.status == 0
+    assert first.json == again.json
+    assert (first.json["plan"], first.json["planner"]) == (str(came), None)
+    folder = evidence.parent / "mission-simulation"
+    assert (folder / "plan.csv").read_bytes() == came.read_bytes()
+    assert first.json["value"]["promised"] == sooner("evaluate", evidence, came, "--json").json["value"]
+    episode = load_plan_episode(folder / "episode.npz")
+    assert plan_episode_npz(replayed_plan(episode, read_mission(evidence))) == (folder / "episode.npz").read_bytes()
+
+
+@pytest.mark.parametrize("beside", [("--seconds", "3"), ("--planner", "greedy")])
+def test_a_plan_that_came_is_not_made(sooner, evidence, tmp_path, beside):
+    ended = sooner("simulate", evidence, "--plan", tmp_path / "plan.csv", *beside)
+    assert ended.status == 2
+    assert f"{beside[0]}: " in ended.err
+    assert "beside --plan" in ended.err
+
+
+def test_a_plan_that_cannot_be_flown_is_refused_by_the_judge(sooner, evidence, tmp_path):
+    (tmp_path / "wrong.csv").write_text("row,col\n1,1\n3,3\n")
+    ended = sooner("simulate", evidence, "--plan", tmp_path / "wrong.csv")
+    assert ended.status == 2
+    assert "wrong.csv" in ended.err
+    assert not (evidence.parent / "mission-simulation").exists()
+
+
+def test_help_names_every_strategy_and_the_default(sooner):
+    told = " ".join(sooner("simulate", "--help").out.replace("│", " ").split())
+    names = ", ".join(name for name in STRATEGIES if name != DEFAULT_STRATEGY)
+    assert f"{names}, or {DEFAULT_STRATEGY}, which it is if left out" in told
 
 
 def test_a_replan_for_a_person_is_refused_with_the_reason(sooner, mission):
@@ -156,6 +216,7 @@ def test_the_first_flight_of_a_plan_is_kept_drawn_and_animated(sooner, evidence,
     options = ("--trials", "3", "--seed", "5", "--seconds", "0.2", "--planner", "greedy", "--animate", *replan)
     ended = sooner("simulate", evidence, *options)
     assert ended.status == 0
+    assert "episode.png, episode.gif\n" in ended.out
     folder = evidence.parent / "mission-simulation"
     assert (folder / "episode.png").read_bytes().startswith(b"\x89PNG")
     assert (folder / "episode.gif").read_bytes().startswith(b"GIF")
@@ -169,6 +230,7 @@ def test_the_first_flight_of_a_plan_is_kept_drawn_and_animated(sooner, evidence,
 def test_a_team_over_streets_is_animated_where_asked(sooner, city):
     ended = sooner("simulate", city, "--trials", "1", "--strategy", "lawnmower", "--animate")
     assert ended.status == 0
+    assert "episode.png, episode.gif\n" in ended.out
     assert (city.parent / "mission-simulation" / "episode.gif").read_bytes().startswith(b"GIF")
 
 

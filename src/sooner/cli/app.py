@@ -24,6 +24,18 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+
+def _folder(help: str) -> Any:
+    """An option that names a folder."""
+
+    def named(text: str) -> Path:
+        if not text:
+            raise typer.BadParameter("an empty name came; expected a folder, as . for this one")
+        return Path(text)
+
+    return typer.Option(metavar="PATH", parser=named, help=help)
+
+
 MissionFile = Annotated[Path, typer.Argument(metavar="MISSION.toml", help="The mission file.")]
 Json = Annotated[bool, typer.Option("--json", help="Print exactly one JSON object.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
@@ -81,7 +93,7 @@ def plan(
     planner: Annotated[str | None, typer.Option(help="A name that `sooner planners` lists.")] = None,
     seconds: Annotated[float, typer.Option(help="Planning time.")] = 10.0,
     seed: Seed = 0,
-    out: Annotated[Path | None, typer.Option(help="Folder for plan, picture and result.")] = None,
+    out: Annotated[Path | None, _folder("Folder for plan, picture and result.")] = None,
     formats: Annotated[
         list[str] | None,
         typer.Option("--format", metavar="F[,F]", help="Files to fly beside plan.csv, as `sooner export` writes."),
@@ -128,7 +140,7 @@ def export_plan(
             "cot (ATAK), geotiff (POC before and after, POD).",
         ),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the files; left out: the plan's.")] = None,
+    out: Annotated[Path | None, _folder("Folder for the files; left out: the plan's.")] = None,
     autopilot: Annotated[str, typer.Option(help="For qgc: ardupilot or px4.")] = "ardupilot",
     dji: Annotated[str, typer.Option(help="For dji: m300, m350, m30, m30t, m3e, m3t, m3d or m3td.")] = "m30t",
     json: Json = False,
@@ -148,15 +160,30 @@ def simulate(
     trials: Annotated[int, typer.Option(help="Flights, by the seeds SEED, SEED + 1, ...", min=1)] = 100,
     seed: Annotated[int, typer.Option(help="Of the first flight.", min=0)] = 0,
     workers: Annotated[int, typer.Option(help="Processes that fly at once; the answer is the same.", min=1)] = 1,
-    strategy: Annotated[str | None, typer.Option(help="Over waypoints: how the team flies.")] = None,
+    strategy: Annotated[
+        str | None,
+        typer.Option(
+            help="Over waypoints, how the team flies: random, lawnmower, tuned_lawnmower, information, "
+            "swept_information, rollouts, or joint, which it is if left out."
+        ),
+    ] = None,
     planner: Annotated[str | None, typer.Option(help="Else: a name that `sooner planners` lists.")] = None,
-    seconds: Annotated[float | None, typer.Option(help="Else: planning time, 10 if left out.")] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(
+            help="Else: planning time, 10 if left out; the plan, and so the answer, depends on it and on the machine."
+        ),
+    ] = None,
+    plan: Annotated[
+        Path | None,
+        typer.Option(metavar="PLAN.csv", help="Else: fly this plan, which `sooner evaluate` takes, and make none."),
+    ] = None,
     replan: Annotated[
         float | None,
         typer.Option(help="Else, where answers teach: plan anew so often, seconds (steps if nobody says speed)."),
     ] = None,
     animate: Annotated[bool, typer.Option("--animate", help="Of the first flight, episode.gif as well.")] = False,
-    out: Annotated[Path | None, typer.Option(help="Folder for the trials, an episode and its picture.")] = None,
+    out: Annotated[Path | None, _folder("Folder for the trials, an episode and its picture.")] = None,
     json: Json = False,
     quiet: Quiet = False,
     force: Force = False,
@@ -165,10 +192,11 @@ def simulate(
 
     Over waypoints a strategy plans while it flies. Else a plan is made as by `sooner plan` and flown against people
     drawn from the map: what it finds stands beside what it promised. With --replan what looks have answered counts.
+    How good the first plan is depends on the time it is given, so that one seed is one answer only with --plan.
     Writes trials.csv, simulation.json, and the first flight as episode.npz and episode.png, to --out (left out: a
     folder MISSION-simulation). Ctrl-C ends the trials; those that have been flown are written.
     """
-    asked = (trials, seed, workers, strategy, planner, seconds, replan, animate)
+    asked = (trials, seed, workers, strategy, planner, seconds, replan, plan, animate)
     return partial(_run, "simulate", "simulate", mission, asked, out, json, quiet, force)
 
 
@@ -181,7 +209,7 @@ def planners(json: Json = False) -> Work:
 @app.command()
 def scenario(
     name: Annotated[str | None, typer.Argument(help="One of the list; left out: print the list.")] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the mission and its rasters.")] = None,
+    out: Annotated[Path | None, _folder("Folder for the mission and its rasters.")] = None,
     seed: Annotated[int | None, typer.Option(help="Another search of the same kind.", min=0)] = None,
     force: Force = False,
 ) -> Work:
@@ -226,7 +254,7 @@ def study(
     data: Data = None,
     trials: Trials = None,
     workers: Workers = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the ledger and the report.")] = None,
+    out: Annotated[Path | None, _folder("Folder for the ledger and the report.")] = None,
     scheduler: Scheduler = None,
     earlier: Earlier = "ask",
     retry: Retry = False,
@@ -251,7 +279,7 @@ def reproduce(
     data: Data = None,
     trials: Trials = None,
     workers: Workers = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for reproduced.csv and the rest.")] = None,
+    out: Annotated[Path | None, _folder("Folder for reproduced.csv and the rest.")] = None,
     only: Annotated[list[str] | None, typer.Option(metavar="TABLE", help="Tables to fly, * and ? allowed.")] = None,
     scheduler: Scheduler = None,
     earlier: Earlier = "ask",

@@ -11,6 +11,7 @@ from typing import Any
 from sooner.cli.evaluate import tell_collected, tell_early, tell_left, tell_reference
 from sooner.cli.exits import DONE, INTERRUPTED, say, uninterrupted
 from sooner.cli.export import tell_exported
+from sooner.cli.given import planning_time
 from sooner.cli.progress import Watch
 from sooner.cli.words import amount, flight, percent, times
 from sooner.io import Folder
@@ -35,6 +36,7 @@ def plan(
     force: bool,
 ) -> int:
     """Plan, write, tell; answers the exit status."""
+    planning_time(seconds)
     asked = chosen([name for each in formats for name in each.split(",") if name.strip() != "csv"], some=False)
     mission = read_mission(mission_file)
     folder = Folder(out or mission_file.parent / f"{mission_file.stem}-plan", force)

@@ -37,6 +37,7 @@ class Asked:
     planner: str | None
     seconds: float | None
     replan: float | None
+    plan: Path | None
     animate: bool
 
     @property
@@ -57,6 +58,7 @@ def simulate(
         _refuse("--planner", wishes.planner, "--strategy")
         _refuse("--seconds", wishes.seconds, "nothing: budget.replan_s says how often a team plans")
         _refuse("--replan", wishes.replan, "nothing: budget.replan_s says how often a team plans")
+        _refuse("--plan", None if wishes.plan is None else str(wishes.plan), "nothing: a team plans while it flies")
         return _streets(read_street_mission(mission_file), wishes, folder, as_json, quiet)
     _refuse("--strategy", wishes.strategy, '--planner, or searcher.moves = "waypoints"')
     from sooner.cli.simulate_plan import simulate_plan
@@ -95,12 +97,12 @@ def _streets(mission: StreetMission, asked: Asked, folder: Folder, as_json: bool
     if as_json:
         print(json.dumps(result, allow_nan=False))
     else:
-        _tell(trials, folder)
+        _tell(trials, folder, asked.animate)
     tell_end(status, len(flown), asked.trials)
     return status
 
 
-def _tell(trials: Any, folder: Folder) -> None:
+def _tell(trials: Any, folder: Folder, animated: bool) -> None:
     """What the trials say, with standard errors."""
     mission, means = trials.mission, trials.means()
     scene = mission.scene
@@ -125,7 +127,7 @@ def _tell(trials: Any, folder: Folder) -> None:
         print(f"map      {mission.attribution}")
     for name in ("trials.csv", "episode.npz"):
         print(f"{name.split('.')[0]:8} {folder.path / name}")
-    print(f"picture  {folder.path / 'episode.png'}")
+    print(f"picture  {folder.path / 'episode.png'}{', episode.gif' if animated else ''}")
 
 
 def episode_files(asked: Asked) -> list[str]:
