@@ -1,5 +1,6 @@
 """Every lesson runs, every page says what is so."""
 
+import json
 import re
 import shlex
 import sys
@@ -14,6 +15,7 @@ from sooner.campaigns.report import COLUMNS, REPORT
 from sooner.campaigns.summary import OverallRow, PairedRow, SummaryRow
 from sooner.cli.main import run
 from sooner.experiments.published import Reproduced
+from sooner.io.occupancy_graphs import read_street_map, street_map_json
 from sooner.missions.reference import reference_page
 from sooner.planners.registry import PLANNERS
 from sooner.scenarios import SCENARIOS
@@ -57,6 +59,18 @@ def test_lessons_are_numbered_without_a_gap():
 def test_the_mission_file_is_explained_as_it_is_checked():
     told = (ROOT / "docs" / "mission_file.md").read_text(encoding="utf-8")
     assert told == reference_page(), "write docs/mission_file.md anew from sooner.missions.reference.reference_page()"
+
+
+def test_the_streets_that_are_explained_can_be_read(tmp_path):
+    page = (ROOT / "docs" / "mission_file.md").read_text(encoding="utf-8")
+    (text,) = [text for language, _, text in BLOCK.findall(page) if language == "json"]
+    (tmp_path / "streets.json").write_text(text, encoding="utf-8")
+    streets = read_street_map(tmp_path / "streets.json")
+    assert (streets.name, streets.south_west, streets.graph.n_edges) == ("Two blocks", (46.1, 11.2), 3)
+    assert [streets.graph.grid.cell(cell) for cell in streets.graph.cells] == [(0, 3), (1, 2), (2, 0), (2, 1)]
+    written = json.loads(street_map_json(streets))
+    assert set(json.loads(text)) <= set(written)
+    assert {key for key in written if f"`{key}`" not in page} == set()
 
 
 def test_the_study_file_is_explained_as_it_is_checked():

@@ -13,6 +13,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 __all__ = [
@@ -24,7 +25,20 @@ __all__ = [
     "InvalidProblemError",
     "SoonerError",
     "UnsupportedProblemError",
+    "printable",
 ]
+
+# C0 and C1, ends of lines, and marks that turn the direction of writing
+_CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
+
+
+def printable(text: str, but: str = "") -> str:
+    """A text of others, as it may reach a terminal: control characters as they would be written in Python.
+
+    >>> print(printable("red \\x1b[31m"))
+    red \\x1b[31m
+    """
+    return _CONTROL.sub(lambda found: found[0] if found[0] in but else found[0].encode("unicode_escape").decode(), text)
 
 
 class SoonerError(Exception):
@@ -66,7 +80,7 @@ class Fault:
 
     def __str__(self) -> str:
         where = f"{self.file}: {self.key}" if self.key else self.file
-        return f"{where}: {self.came}; {self.expected}"
+        return printable(f"{where}: {self.came}; {self.expected}", but="\n")
 
 
 class DataFormatError(SoonerError, ValueError):

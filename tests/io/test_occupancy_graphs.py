@@ -58,6 +58,8 @@ def test_a_street_map_comes_back_as_it_was_written(tmp_path):
         ({"cell_m": "5"}, "cell_m: '5' came"),
         ({"size_m": 21.0}, "size_m: 21.0 came; expected metres that are whole cells of 5 m"),
         ({"size_m": 1e300}, "size_m: 1e+300 came"),
+        ({"size_m": None}, "shape: nothing came; expected [rows, columns]"),
+        ({"cell_m": 1e300, "shape": [4, 4]}, "cell_m: 1e+300 came; expected 0.001 to 1e+06 m"),
         ({"size_m": 50_000.0}, "shape: [10000, 10000] came; expected [rows, columns] of at most 1000000 cells"),
         ({"shape": [4]}, "shape: [4] came"),
         ({"shape": [10**30, 4]}, "came; expected [rows, columns]"),
@@ -68,7 +70,10 @@ def test_a_street_map_comes_back_as_it_was_written(tmp_path):
         ({"nodes": [*GOOD["nodes"], [5, 3.0, 3.0, 0, 0]]}, "nodes 7 and 5 came in one cell, bx 0, by 0"),
         ({"nodes": [[0, 2.0, 23.0, 0, 4]], "edges": []}, "cell bx 0, by 4 came; expected columns 0 to 3 and rows 0"),
         ({"nodes": [[0, 2.0, 3.0, -1, 0]], "edges": []}, "cell bx -1, by 0 came"),
-        ({"nodes": [[0, 2.0, 3.0, 1, 0]], "edges": []}, "which is not in its cell"),
+        (
+            {"nodes": [[0, 2.0, 3.0, 1, 0]], "edges": []},
+            "x_m 2, y_m 3 came, which is not in its cell, bx 1, by 0; expected x_m 5",
+        ),
         ({"edges": [[3, 9]]}, "edges[0]: node 9 came; expected a node of this file"),
         ({"edges": [[3, 3]]}, "an edge from node 3 to itself came"),
         ({"edges": [[7, 4]]}, "an edge between nodes 7 and 4 came, whose cells do not touch"),
@@ -76,6 +81,10 @@ def test_a_street_map_comes_back_as_it_was_written(tmp_path):
         ({"edges": [["3", "7"]]}, "edges[0]: ['3', '7'] came"),
         ({"sw_corner_latlon": [1.0]}, "sw_corner_latlon: [1.0] came"),
         ({"sw_corner_latlon": [91.0, 0.0]}, "sw_corner_latlon"),
+        (
+            {"sw_corner_latlon": [46.0, 1e300]},
+            "[46.0, 1e+300] came; expected [latitude, longitude], from",
+        ),
         ({"scale_real_metres_per_map_metre": -2}, "scale_real_metres_per_map_metre: -2 came"),
     ],
 )
@@ -101,6 +110,16 @@ def test_hostile_text_is_refused(tmp_path, text, said):
     with pytest.raises(DataFormatError) as refused:
         read_street_map(written(tmp_path, text))
     assert said in str(refused.value)
+
+
+def test_every_node_outside_its_cell_is_told(tmp_path):
+    with pytest.raises(DataFormatError) as refused:
+        read_street_map(written(tmp_path, GOOD | {"nodes": [[k, 99.0, 3.0, k, 0] for k in range(3)]}))
+    assert [fault.key for fault in refused.value.faults] == ["nodes[0]", "nodes[1]", "nodes[2]"]
+
+
+def test_names_of_files_do_not_reach_a_terminal_raw(tmp_path):
+    assert read_street_map(written(tmp_path, GOOD | {"attribution": "\x1b[31mus"})).attribution == "\\x1b[31mus"
 
 
 def test_every_fault_is_told_ten_at_most(tmp_path):

@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 
@@ -141,7 +143,11 @@ BAD = {
     "later: radius": (spoiled("glimpse = 0.5", "radius_m = 8"), "sensor.radius_m", "does not do yet"),
     "later: acceleration": (spoiled(START, START + "\naccel_mps2 = 2"), "searcher[0].accel_mps2", "does not do yet"),
     "waypoints": (spoiled(START, START + '\nmoves = "waypoints"'), "searcher[0].moves", "which nobody plans ahead"),
-    "streets over cells": (spoiled(POC, POC + '\nstreets = "s.json"'), "area.streets", 'searcher.moves = "waypoints"'),
+    "streets over cells": (
+        spoiled(POC, POC + '\nstreets = "s.json"'),
+        "area.streets",
+        "`sooner simulate` flies over unknown streets",
+    ),
     "a target over cells": (MISSION + "[target]\ncount = 1\n", "target", 'searcher.moves = "waypoints"'),
     "an unknown key of links": (
         MISSION + "[links]\nrange = 1\n[[searcher]]\nstart = [0, 0]\nspeed_mps = 12.0\n",
@@ -220,6 +226,16 @@ BAD = {
         MISSION + "[[searcher]]\nstart = [1, 1]\nspeed_mps = 12.0\n[objective]\ndetection_target = 0.5\n",
         "objective.detection_target",
         "does not do yet",
+    ),
+    "a latitude beyond the pole": (
+        spoiled(START, "start = {lat = 96.1, lon = 11.2}"),
+        "searcher[0].start",
+        "expected lat from -90 to 90, lon from -180 to 180",
+    ),
+    "a name that colours a terminal": (
+        re.sub("name = .*", lambda _: r'name = "\u001b[31mred"', MISSION, count=1),
+        "name",
+        "expected text in one line, without control characters",
     ),
     "a latitude on a map without a place": (
         spoiled(START, "start = {lat = 46.1, lon = 11.2}"),

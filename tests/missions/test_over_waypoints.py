@@ -204,7 +204,21 @@ SPOILED = {
     "a start outside": ("speed", "start = [20, 0]\nspeed", "searcher[0].start", "rows 0 to 19"),
     "a start on the globe": ("speed", "start = { lat = 1.0, lon = 1.0 }\nspeed", "searcher[0].start", "on the globe"),
     "half a start": ("speed", "start = { lat = 1.0 }\nspeed", "searcher[0].start.lon", "lat and lon make a place"),
-    "unlike moves": ("[budget]", "[[searcher]]\nstart = [0, 0]\n[budget]", "searcher[1].moves", "the same of all"),
+    "a latitude beyond the pole": (
+        "speed",
+        "start = { lat = 91.0, lon = 1.0 }\nspeed",
+        "searcher[0].start",
+        "lat from -90",
+    ),
+    "a start on streets without a place": (
+        "speed",
+        "start = { lat = 1.0, lon = 1.0 }\nspeed",
+        "searcher[0].start",
+        "without sw_corner_latlon",
+    ),
+    "nobody who searches": (DRONE, "", "searcher", "at least one [[searcher]]"),
+    "cells over streets": ('moves = "waypoints"\n', "", "searcher[0].moves", "'cells' came; expected 'waypoints'"),
+    "unlike moves": ("[budget]", "[[searcher]]\nstart = [0, 0]\n[budget]", "searcher[1].moves", "'waypoints' of all"),
     "some starts": (
         "[budget]",
         DRONE + "start = [0, 0]\n[budget]",
@@ -241,6 +255,15 @@ def test_a_fault_is_told_by_its_key(read, name):
     faults = {fault.key: f"{fault.came}; {fault.expected}" for fault in refused.value.faults}
     assert key in faults, faults
     assert told in faults[key]
+
+
+def test_streets_alone_say_what_is_meant(read, tmp_path):
+    with pytest.raises(DataFormatError) as refused:
+        read(CITY.replace(DRONE, ""))
+    assert [fault.key for fault in refused.value.faults] == ["searcher"]
+    assert is_over_waypoints(tmp_path / "mission.toml")
+    with pytest.raises(DataFormatError, match=r"area\.streets: streets came, over which nobody plans ahead"):
+        read_mission(tmp_path / "mission.toml")
 
 
 def test_all_faults_come_at_once(read):

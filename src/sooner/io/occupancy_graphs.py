@@ -1,4 +1,7 @@
-"""Street maps as JSON: nodes `[id, x_m, y_m, bx, by]` from the south-west corner, rows counted from the south."""
+"""Street maps as JSON: nodes `[id, x_m, y_m, bx, by]` from the south-west corner, rows counted from the south.
+
+`docs/mission_file.md` tells the format.
+"""
 
 from __future__ import annotations
 
@@ -11,18 +14,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.errors import DataFormatError, Fault, InvalidProblemError
+from sooner.errors import DataFormatError, Fault, InvalidProblemError, printable
 from sooner.grid import Grid
 from sooner.io.reading import bytes_of, text_of
 from sooner.streets import OccupancyGraph
+from sooner.streets.occupancy import SLACK
 
 __all__ = ["MOST_STREET_CELLS", "StreetMap", "metres_from", "read_street_map", "street_map_json"]
 
 MOST_STREET_CELLS = 1_000_000
 MOST_BYTES = 50_000_000
+CELLS_M = (0.001, 1e6)
 EARTH_M = 6371008.8  # mean radius
 COLUMNS = ["id", "x_m", "y_m", "bx", "by"]
-_EXPECTED = "expected an occupancy graph in JSON, with cell_m, size_m, nodes and edges"
+_EXPECTED = "expected an occupancy graph in JSON, with cell_m, shape, nodes and edges"
 _MOST_FAULTS = 10
 
 
@@ -59,7 +64,7 @@ class StreetMap:
         (1, 1)
         """
         if self.south_west is None:
-            raise InvalidProblemError("a latitude and longitude came, and streets without a south-west corner")
+            raise InvalidProblemError("a latitude and longitude came, and streets without sw_corner_latlon")
         grid = self.graph.grid
         east, north = metres_from(np.array([[lat, lon]]), self.south_west, self.scale)[0]
         return grid.shape[0] - 1 - floor(north / grid.cell_m), floor(east / grid.cell_m)
@@ -99,7 +104,7 @@ def read_street_map(path: Path) -> StreetMap:
     except InvalidProblemError as error:
         came, _, expected = str(error).partition("; ")
         raise DataFormatError(Fault(str(path), "", came, expected or _EXPECTED)) from None
-    name, attribution = (str(said.get(key) or "") for key in ("name", "attribution"))
+    name, attribution = (printable(str(said.get(key) or "")) for key in ("name", "attribution"))
     return StreetMap(graph, name, attribution, _corner(path, said), _scale(path, said))
 
 
@@ -142,7 +147,13 @@ def _said(path: Path) -> dict[str, Any]:
 
 def _grid(path: Path, said: dict[str, Any]) -> Grid:
     cell_m = _positive(path, said, "cell_m")
+    if not CELLS_M[0] <= cell_m <= CELLS_M[1]:
+        expected = f"expected {CELLS_M[0]:g} to {CELLS_M[1]:g} m"
+        raise DataFormatError(Fault(str(path), "cell_m", f"{_short(said['cell_m'])} came", expected))
     shape: Any = said.get("shape")
+    if shape is None and said.get("size_m") is None:
+        expected = "expected [rows, columns], or size_m where there are as many"
+        raise DataFormatError(Fault(str(path), "shape", "nothing came", expected))
     if shape is None:
         across = _positive(path, said, "size_m") / cell_m
         if not (0.5 < across <= MOST_STREET_CELLS and abs(across - round(across)) < 1e-6):
@@ -158,9 +169,9 @@ def _grid(path: Path, said: dict[str, Any]) -> Grid:
 
 def _positive(path: Path, said: dict[str, Any], key: str) -> float:
     number = said.get(key)
-    if not (_is_number(number) and float(number or 0) > 0):
+    if not _is_number(number) or not isinstance(number, int | float) or number <= 0:
         raise DataFormatError(Fault(str(path), key, f"{_short(number)} came", "expected a positive number"))
-    return float(number or 0)
+    return float(number)
 
 
 def _nodes(
@@ -186,6 +197,11 @@ def _nodes(
         elif not (0 <= bx < width and 0 <= by < height):
             expected = f"expected columns 0 to {width - 1} and rows 0 to {height - 1}, from the south"
             faults.append(Fault(str(path), key, f"cell bx {bx}, by {by} came", expected))
+        elif any(abs(place / grid.cell_m - cell - 0.5) > 0.5 + SLACK for place, cell in ((x, bx), (y, by))):
+            west, south = bx * grid.cell_m, by * grid.cell_m
+            came = f"x_m {x:g}, y_m {y:g} came, which is not in its cell, bx {bx}, by {by}"
+            expected = f"expected x_m {west:g} to {west + grid.cell_m:g}, y_m {south:g} to {south + grid.cell_m:g}"
+            faults.append(Fault(str(path), key, came, f"{expected}, from the south-west corner"))
         elif (bx, by) in taken:
             came = f"nodes {taken[bx, by]} and {node} came in one cell, bx {bx}, by {by}"
             faults.append(Fault(str(path), key, came, "a cell holds one node at most"))
@@ -224,8 +240,9 @@ def _corner(path: Path, said: dict[str, Any]) -> tuple[float, float] | None:
     corner = said.get("sw_corner_latlon")
     if corner is None:
         return None
-    if not (isinstance(corner, list) and len(corner) == 2 and all(map(_is_number, corner))) or abs(corner[0]) > 90:
-        expected = "expected [latitude, longitude]"
+    pair = isinstance(corner, list) and len(corner) == 2 and all(map(_is_number, corner))
+    if not pair or abs(corner[0]) > 90 or abs(corner[1]) > 180:
+        expected = "expected [latitude, longitude], from -90 to 90 and from -180 to 180 degrees"
         raise DataFormatError(Fault(str(path), "sw_corner_latlon", f"{_short(corner)} came", expected))
     return float(corner[0]), float(corner[1])
 

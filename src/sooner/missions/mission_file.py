@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sooner.belief import Belief
-from sooner.errors import DataFormatError, Fault, InvalidProblemError
+from sooner.errors import DataFormatError, Fault, InvalidProblemError, printable
 from sooner.io.georeference import Georeference
 from sooner.io.reading import read_toml
 from sooner.missions.faults import Faults
@@ -52,7 +52,7 @@ class Mission:
     @property
     def name(self) -> str:
         """What the file calls the mission, or else the file's own name."""
-        return self.settings.name or self.path.stem
+        return self.settings.name or printable(self.path.stem)
 
     @property
     def over_regions(self) -> bool:
@@ -86,9 +86,13 @@ def read_mission(path: Path | str) -> Mission:
     faults = Faults(path)
     settings = faults.settings(read_toml(path, "expected a mission file in TOML"))
     if settings.over_waypoints:
-        number = [searcher.moves for searcher in settings.searcher].index("waypoints")
-        expected = "expected 'cells' or 'regions'; `sooner simulate` flies to waypoints"
-        faults.add(f"searcher[{number}].moves", "'waypoints' came, which nobody plans ahead", expected)
+        if settings.area.streets is not None:
+            expected = "expected area.poc or area.evidence; `sooner simulate` flies over unknown streets"
+            faults.add("area.streets", "streets came, over which nobody plans ahead", expected)
+        else:
+            number = [searcher.moves for searcher in settings.searcher].index("waypoints")
+            expected = "expected 'cells' or 'regions'; `sooner simulate` flies to waypoints"
+            faults.add(f"searcher[{number}].moves", "'waypoints' came, which nobody plans ahead", expected)
         faults.refuse()
     _check_required(faults, settings)
     for fault in misplaced(settings, str(path)):

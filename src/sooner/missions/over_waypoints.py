@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.errors import DataFormatError, InvalidProblemError
+from sooner.errors import DataFormatError, InvalidProblemError, printable
 from sooner.io import StreetMap, read_openstreetmap, read_street_map
 from sooner.io.reading import read_toml
 from sooner.missions.faults import Faults
@@ -47,17 +47,20 @@ class StreetMission:
     @property
     def name(self) -> str:
         """What the file calls the mission, or else the file's own name."""
-        return self.settings.name or self.path.stem
+        return self.settings.name or printable(self.path.stem)
 
 
 def is_over_waypoints(path: Path) -> bool:
-    """Whether the drones of a mission file fly to waypoints; what else may be wrong with it is not looked at.
+    """Whether a mission file has streets, or drones that fly to waypoints; nothing else is looked at.
 
     Raises
     ------
     DataFormatError        missing, or no TOML
     """
-    searchers = read_toml(path, "expected a mission file in TOML").get("searcher")
+    said = read_toml(path, "expected a mission file in TOML")
+    area, searchers = said.get("area"), said.get("searcher")
+    if isinstance(area, dict) and "streets" in area:
+        return True
     if not isinstance(searchers, list):
         return False
     return any(isinstance(each, dict) and each.get("moves") == "waypoints" for each in searchers)
@@ -74,6 +77,8 @@ def read_street_mission(path: Path) -> StreetMission:
     settings = faults.settings(read_toml(path, "expected a mission file in TOML"))
     for fault in misplaced(settings, str(path)):
         faults.add(fault.key, fault.came, fault.expected)
+    if not settings.searcher and not faults.among("searcher"):
+        faults.add("searcher", "no searcher came", "expected at least one [[searcher]] table")
     streets = _streets(faults, settings)
     agents = [_agent(faults, settings, number, streets) for number in range(len(settings.searcher))]
     seconds, replan_s = _seconds(faults, settings)
@@ -177,7 +182,8 @@ def _agent(faults: Faults, settings: Settings, number: int, streets: StreetMap |
 
 def _check_searcher(faults: Faults, key: str, said: Searching) -> None:
     if said.moves != "waypoints":
-        faults.add(f"{key}.moves", f"'{said.moves}' beside 'waypoints'", "expected the same of all")
+        expected = "expected 'waypoints' of all: drones over streets fly to waypoints"
+        faults.add(f"{key}.moves", f"'{said.moves}' came", expected)
     if said.kind != "copter":
         faults.add(f"{key}.kind", f"'{said.kind}' came, and moves = \"waypoints\"", "expected 'copter': it may hover")
     for name, what in (("speed_mps", "metres a second"), ("accel_mps2", "metres a second squared")):
@@ -225,7 +231,7 @@ def _start(faults: Faults, key: str, said: Sequence[int] | Place, streets: Stree
         try:
             row, col = streets.cell_at(said.lat, said.lon)
         except InvalidProblemError as error:
-            faults.add(key, str(error), "expected [row, col], or streets with their place on the globe")
+            faults.add(key, str(error), "expected [row, col], or [lat, lon] of the streets' corner on the globe there")
             return None
         came = f"lat {said.lat:g}, lon {said.lon:g}, which is [{row}, {col}], came"
     else:

@@ -84,6 +84,42 @@ replan_s = 5
 ```
 """
 
+_STREETS = """\
+## Streets
+
+`area.streets` names a file in JSON, as `sooner scenario street-grid` writes one:
+
+```json
+{
+  "name": "Two blocks",
+  "sw_corner_latlon": [46.1, 11.2],
+  "cell_m": 5.0,
+  "shape": [3, 4],
+  "node_columns": ["id", "x_m", "y_m", "bx", "by"],
+  "nodes": [[0, 2.5, 2.5, 0, 0], [1, 7.5, 2.5, 1, 0], [2, 12.0, 7.5, 2, 1], [3, 17.5, 12.5, 3, 2]],
+  "edges": [[0, 1], [1, 2], [2, 3]]
+}
+```
+
+| key | value | left out | meaning |
+|---|---|---|---|
+| `cell_m` | number |  | metres between cell centres, 0.001 to 1,000,000 |
+| `shape` | [rows, columns] |  | of the grid of cells; or `size_m` |
+| `size_m` | number |  | instead of `shape`: metres from edge to edge of a square of whole cells |
+| `nodes` | list of [id, x_m, y_m, bx, by] |  | points of streets, at least one; a cell holds one at most |
+| `edges` | list of [id, id] |  | pairs of nodes between which one can walk; their cells touch, at a side or a corner |
+| `sw_corner_latlon` | [lat, lon] |  | of the grid's south-west corner, in degrees; needed by starts in `{lat, lon}` |
+| `scale_real_metres_per_map_metre` | number | `1.0` | how far on the globe one metre of the map is |
+| `name`, `attribution` | text | `""` | of the map, and who must be named beside it |
+
+A node's `id` is a whole number, once in the file. `x_m` counts metres to the east and `y_m` to the north from the
+**south-west corner** of the grid, not from a cell's centre; `bx` counts columns from the west and `by` rows **from the
+south**, both from 0: they are the cell that holds the node, so that `bx * cell_m <= x_m <= (bx + 1) * cell_m`, and
+likewise `y_m`. (A `start = [row, col]` of the mission file counts rows from the north, as everywhere else:
+`row = rows - 1 - by`.)
+`node_columns` is there for readers; other keys are passed over. At most 1,000,000 cells and 50 MB are read.
+"""
+
 _TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[area]", Area),
     ("[area.window]", Window),
@@ -135,4 +171,5 @@ def reference_page() -> str:
         'cells. "No data" counts as 0 in `poc` and `evidence` and as free ground in `obstacles`. Files that '
         "aircraft fly (`sooner export`, `sooner plan --format`) need the georeference of `poc` or `evidence`."
     )
+    parts.append(_STREETS.strip())
     return "\n\n".join(parts) + "\n"

@@ -35,6 +35,8 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Speed = Annotated[float, Field(ge=0.001, le=1_000, allow_inf_nan=False)]
 Altitude = Annotated[float, Field(ge=1, le=10_000, allow_inf_nan=False)]
 
+# no control characters, ends of lines, or marks that turn the direction of writing: it is shown on terminals
+Name = Annotated[str, Field(pattern="^[^\\p{Cc}\\p{Zl}\\p{Zp}\\u202a-\\u202e\\u2066-\\u2069]*$")]
 Share = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)]
 Sensitivity = Annotated[float, Field(ge=0, le=30, allow_inf_nan=False)]
 
@@ -340,7 +342,7 @@ class Cutting(_Table):
 class Settings(_Table):
     """A whole mission file."""
 
-    name: str = Field(default="", description="what the picture is called")
+    name: Name = Field(default="", description="what the picture is called, in one line")
     area: Area = Area()
     sensor: Sensor = Sensor()
     searcher: list[Searching] = []
@@ -358,8 +360,8 @@ class Settings(_Table):
 
     @property
     def over_waypoints(self) -> bool:
-        """Whether drones fly to waypoints over unknown streets; all do, or none."""
-        return any(searcher.moves == "waypoints" for searcher in self.searcher)
+        """Whether drones fly to waypoints over unknown streets: all do, or none, and all where there are streets."""
+        return self.area.streets is not None or any(searcher.moves == "waypoints" for searcher in self.searcher)
 
     @property
     def wants_early(self) -> bool:
@@ -396,7 +398,9 @@ def misplaced(settings: Settings, file: str) -> list[Fault]:
         if flown
         else ('expected it left out, or searcher.moves = "waypoints"')
     )
-    came = 'it came, and moves = "waypoints"' if flown else "it came"
+    came = "it came, and area.streets" if settings.area.streets is not None else "it came"
+    if flown and settings.area.streets is None:
+        came = 'it came, and moves = "waypoints"'
     tables: list[tuple[str, str, BaseModel]] = [
         (name, name, getattr(settings, name)) for name in ("area", "sensor", "budget", "objective")
     ]

@@ -11,7 +11,9 @@ from sooner.simulation.answers import AnswerModel
 
 __all__ = ["Hidden", "Noise"]
 
-PURPOSE = 4  # of the random numbers of a seed; a search over streets has others
+# Of the random numbers of a seed. `world.Purpose` has this number too, for links of a search over streets, where nobody
+# is `Hidden`: no flight draws both. It stays, as published trials have their hidden people by it.
+PURPOSE = 4
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
