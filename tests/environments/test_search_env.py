@@ -221,7 +221,10 @@ def test_an_action_that_is_none_is_refused(action, told):
         ({"scenes": ()}, "no scenes"),
         ({"scenes": (scene(), scene(side=10))}, "10 x 10 cells and 4 agents, 20 x 20"),
         ({"scenes": (scene(), replace(scene(), agents=(Agent(),)))}, "20 x 20 cells and 1 agents"),
+        ({"scenes": ["a"]}, "'a' came among scenes; expected a Scene"),
+        ({"scenes": 3}, "3 came among scenes"),
         ({"waypoints": 0}, "0 waypoints"),
+        ({"waypoints": 1.5}, "1.5 waypoints an action came; expected a whole number"),
         ({"waypoints": 101}, "101 waypoints"),
         ({"capture": -0.1}, "capture = -0.1"),
         ({"capture": np.nan}, "capture = nan"),
@@ -238,6 +241,24 @@ def test_an_environment_that_cannot_be_is_refused(settings, told):
 def test_a_scene_that_is_not_there_is_refused(wanted):
     with pytest.raises(InvalidProblemError, match="expected a whole number from 0 to 1"):
         SearchEnv((scene(), scene(60))).reset(options={"scene": wanted})
+
+
+def test_options_that_are_no_mapping_are_refused():
+    with pytest.raises(InvalidProblemError, match=r"options = \[1\] came; expected a mapping"):
+        SearchEnv(scene()).reset(options=[1])
+
+
+@pytest.mark.parametrize(
+    ("seeds", "settings", "told"),
+    [
+        (["a"], {}, "seed 'a' came; expected whole numbers"),
+        (3, {}, "seeds = 3 came"),
+        ([0], {"seconds": 10.5}, "seconds = 10.5 came; expected whole seconds"),
+    ],
+)
+def test_scenes_that_cannot_be_generated_are_refused(seeds, settings, told):
+    with pytest.raises(InvalidProblemError, match=told):
+        generated_scenes(seeds, **settings)
 
 
 def test_steps_before_the_start_and_after_the_end_are_refused():

@@ -191,10 +191,17 @@ def test_streams_of_one_seed_are_their_own():
     assert len(draws) == 3
 
 
-@pytest.mark.parametrize("answer", [(np.zeros((1, 2)),), (np.full((1, 2), np.nan),) * 4])
+@pytest.mark.parametrize(
+    "answer", [(np.zeros((1, 2)),), (np.full((1, 2), np.nan),) * 4, (np.zeros(3),) * 4, (np.zeros((1, 3)),) * 4]
+)
 def test_nonsense_for_routes_is_refused(answer):
     with pytest.raises(InvalidProblemError, match="came"):
         simulate(SCENE, Wrong(answer), 1)
+
+
+def test_no_routes_at_all_are_refused():
+    with pytest.raises(InvalidProblemError, match="answered None; expected a route for each agent"):
+        simulate(SCENE, Wrong(None), 1)
 
 
 @pytest.mark.parametrize(

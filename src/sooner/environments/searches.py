@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -55,8 +55,9 @@ class Searches:
         capture: float = CAPTURE,
         render_mode: str | None = None,
     ) -> None:
-        if not 1 <= waypoints <= MOST_WAYPOINTS:
-            raise InvalidProblemError(f"{waypoints} waypoints an action came; expected 1 to {MOST_WAYPOINTS}")
+        if not _is_whole(waypoints) or not 1 <= waypoints <= MOST_WAYPOINTS:
+            expected = f"expected a whole number from 1 to {MOST_WAYPOINTS}"
+            raise InvalidProblemError(f"{waypoints!r} waypoints an action came; {expected}")
         if not (np.isfinite(capture) and capture >= 0.0):
             raise InvalidProblemError(f"capture = {capture} came; expected a number of at least 0")
         if render_mode is not None and render_mode not in RENDER_MODES:
@@ -131,13 +132,20 @@ class Searches:
         return np.array(Image.open(io.BytesIO(drawn)).convert("RGB"))
 
 
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
 def _score(episode: Episode) -> float:
     """E; its half that nodes make, where there are no targets."""
     return episode.e if episode.n_targets else episode.e_nodes
 
 
 def _alike(scenes: Scene | Sequence[Scene]) -> tuple[Scene, ...]:
-    several = (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
+    several = (scenes,) if isinstance(scenes, Scene) else tuple(scenes) if isinstance(scenes, Iterable) else (scenes,)
+    for scene in several:
+        if not isinstance(scene, Scene):
+            raise InvalidProblemError(f"{scene!r} came among scenes; expected a Scene, or several")
     if not several:
         raise InvalidProblemError("no scenes came; expected at least one")
     if len({scene.links is None for scene in several}) > 1:
@@ -151,7 +159,9 @@ def _alike(scenes: Scene | Sequence[Scene]) -> tuple[Scene, ...]:
 
 def _asked_for(options: Mapping[str, Any] | None, drawn: int, n_scenes: int) -> int:
     """The scene that options ask for, or else the one drawn; other options are others' (wrappers have their own)."""
+    if options is not None and not isinstance(options, Mapping):
+        raise InvalidProblemError(f'options = {options!r} came; expected a mapping such as {{"scene": 0}}, or None')
     scene = (options or {}).get("scene", drawn)
-    if not isinstance(scene, int | np.integer) or isinstance(scene, bool) or not 0 <= scene < n_scenes:
+    if not _is_whole(scene) or not 0 <= scene < n_scenes:
         raise InvalidProblemError(f"scene {scene!r} came in options; expected a whole number from 0 to {n_scenes - 1}")
     return int(scene)

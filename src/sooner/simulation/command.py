@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sooner.errors import InvalidProblemError
 from sooner.simulation.estimation import TeamBelief
 from sooner.simulation.in_flight import Flight
 from sooner.simulation.scene import Scene
@@ -113,6 +114,11 @@ class CommandPost:
             self._unwatched = self._remembered()
             self._show()
         answer = self._session.routes(situation)
+        if answer is None:
+            raise InvalidProblemError(
+                f"{type(self._session).__name__}.routes answered None; expected a route for each agent, or "
+                "situation.routes itself to go on unchanged"
+            )
         return None if answer is situation.routes else answer
 
     def kept(self, spare: Kept | None = None) -> Kept:

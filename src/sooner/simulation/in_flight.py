@@ -124,6 +124,10 @@ class _PackedRoutes:
     def take(self, routes: Routes) -> None:
         if len(routes) != len(self.lengths):
             raise InvalidProblemError(f"routes for {len(routes)} agents came; the team has {len(self.lengths)}")
+        for agent, route in enumerate(routes):
+            if np.ndim(route) == 0 or (len(route) and np.shape(route)[1:] != (2,)):
+                came = f"a route of shape {np.shape(route)} came for agent {agent}"
+                raise InvalidProblemError(f"{came}; expected (k, 2), metres east and north of each waypoint")
         longest = max(max(len(route) for route in routes), 1)
         self.waypoints = np.zeros((len(routes), longest, 2))
         self.lengths = np.array([len(route) for route in routes], np.int64)

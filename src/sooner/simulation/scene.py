@@ -44,9 +44,9 @@ class Scene:
 
     Raises
     ------
-    InvalidProblemError                no seconds, a replan later than the end, agents that start outside the ground,
-                                       links of one agent or of very many, a glimpse that is not one probability for
-                                       each cell
+    InvalidProblemError                no whole seconds, a replan later than the end, agents that start outside the
+                                       ground, links of one agent or of very many, a glimpse that is not one
+                                       probability for each cell
     """
 
     world: World
@@ -60,6 +60,10 @@ class Scene:
     glimpse: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
+        for name in ("seconds", "replan_s"):
+            value = getattr(self, name)
+            if not isinstance(value, int | np.integer) or isinstance(value, bool):
+                raise InvalidProblemError(f"{name} = {value!r} came; expected whole seconds")
         if not 1 <= self.seconds <= MOST_SECONDS:
             raise InvalidProblemError(f"a mission of {self.seconds} s came; expected 1 to {MOST_SECONDS} s")
         if not 1 <= self.replan_s <= self.seconds:
