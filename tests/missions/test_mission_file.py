@@ -36,6 +36,7 @@ CAMERA = "camera = { fov_deg = 90, altitude_m = 9, pixels = 1200, exposure_s = 0
 BAD = {
     "not TOML": ("[area\n", "", "not TOML"),
     "unknown table": (MISSION + "[extra]\n", "extra", "expected one of name, area"),
+    "unknown key in brackets": ('"x[1]" = 1\n' + MISSION, "x[1]", "expected one of name"),
     "unknown key": (spoiled(POC, POC + "\ncolour = 3"), "area.colour", "expected one of poc, outside"),
     "a table that is a number": (
         spoiled("[sensor]\nglimpse = 0.5", "").replace("name", "sensor = 3\nname"),

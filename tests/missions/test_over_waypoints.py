@@ -285,3 +285,12 @@ def test_a_mission_that_is_simulated_cannot_be_planned(read, tmp_path):
     assert is_over_waypoints(tmp_path / "mission.toml")
     with pytest.raises(DataFormatError, match="sooner simulate"):
         read_mission(tmp_path / "mission.toml")
+
+
+def test_control_characters_do_not_reach_a_terminal(read, tmp_path):
+    with pytest.raises(DataFormatError) as refused:
+        read('"\\u001b[31m" = 1\n' + CITY)
+    assert "\\x1b[31m: this key is not known" in str(refused.value)
+    read(CITY)
+    path = (tmp_path / "mission.toml").rename(tmp_path / "a\x1b[31mb.toml")
+    assert read_street_mission(path).name == "a\\x1b[31mb"

@@ -127,7 +127,7 @@ def _place(loc: tuple[int | str, ...]) -> tuple[int | str, ...]:
         if isinstance(part, str) and (part in _BRANCHES or "[" in part or "(" in part):
             break
         place.append(part)
-    return tuple(place)
+    return tuple(place) or loc[:1]  # a key at the top that looks like a branch
 
 
 def _key(loc: tuple[int | str, ...]) -> str:
