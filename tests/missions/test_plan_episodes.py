@@ -20,6 +20,7 @@ from sooner.simulation.answers import AnswerModel
 from sooner.simulation.plan_episode import Answers, Course, Flown, Intent, PlanEpisode
 from sooner.simulation.plan_episode_file import load_plan_episode, plan_episode_npz
 from sooner.simulation.plan_picture import animated_plan, plan_episode_picture
+from tests.meddled import rewritten
 from tests.missions.test_plan_trials import ALARMS, FLOWN, INFORMATION, OVER_CELLS, SMALL
 from tests.missions.test_replanned import APART, HOME, RATES, TEAM, WING, mission_of
 
@@ -157,18 +158,6 @@ def test_another_mission_flies_another_episode_or_none(flown, tmp_path):
         replayed_plan(episode, mission_of(tmp_path, OVER_CELLS))
     with pytest.raises(IllegalPlanError, match="starts at"):
         replayed_plan(episode, mission_of(tmp_path, SMALL.replace("[2, 2]", "[0, 0]")))
-
-
-def rewritten(path, **changes):
-    with np.load(path) as parts:
-        arrays = {name: parts[name] for name in parts.files}
-    for name, change in changes.items():
-        if change is None:
-            del arrays[name]
-        else:
-            arrays[name] = change(arrays[name]) if callable(change) else change
-    np.savez(path, **arrays)
-    return path
 
 
 def about(**said):

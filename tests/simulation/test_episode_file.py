@@ -12,6 +12,7 @@ from sooner.errors import DataFormatError, InvalidProblemError
 from sooner.simulation import Agent, Estimator, Keep, Scene, World, load_episode, replayed, save_episode, simulate
 from sooner.simulation.strategies import Lawnmower, RandomWaypoints
 from sooner.streets import Evasive, TargetWalk
+from tests.meddled import rewritten
 from tests.simulation.streets import blocks
 from tests.simulation.test_loop import Wrong
 
@@ -75,18 +76,6 @@ def test_a_bias_that_is_a_function_cannot_be_kept(tmp_path):
     flown = simulate(Scene(biased, seconds=10), Lawnmower(), 1)
     with pytest.raises(InvalidProblemError, match="function"):
         save_episode(flown, tmp_path / "e.npz")
-
-
-def rewritten(path, **changes):
-    with np.load(path) as parts:
-        arrays = {name: parts[name] for name in parts.files}
-    for name, change in changes.items():
-        if change is None:
-            del arrays[name]
-        else:
-            arrays[name] = change(arrays[name]) if callable(change) else change
-    np.savez(path, **arrays)
-    return path
 
 
 def about(change):

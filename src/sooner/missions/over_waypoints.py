@@ -18,6 +18,7 @@ from sooner.missions.layers import read_glimpse
 from sooner.missions.settings import Hearing, Place, Searching, Settings, TargetSettings, misplaced
 from sooner.sensors import GradedSensor
 from sooner.simulation import Agent, Estimator, Links, Scene, World
+from sooner.simulation.scene import MOST_SECONDS
 from sooner.streets import Evasive, TargetWalk
 
 __all__ = ["StreetMission", "is_over_waypoints", "read_street_mission"]
@@ -252,8 +253,8 @@ def _seconds(faults: Faults, settings: Settings) -> tuple[int, int]:
         if not faults.among("budget"):
             faults.add("budget.seconds", "nothing came", "expected how long the search lasts, in whole seconds")
         return replan_s, replan_s
-    if budget.seconds != int(budget.seconds) or budget.seconds > 100_000:
-        faults.add("budget.seconds", f"{budget.seconds:g} came", "expected whole seconds, at most 100,000")
+    if budget.seconds != int(budget.seconds) or budget.seconds > MOST_SECONDS:
+        faults.add("budget.seconds", f"{budget.seconds:g} came", f"expected whole seconds, at most {MOST_SECONDS:,}")
     elif replan_s > budget.seconds:
         came = f"{replan_s} came, and the search lasts {budget.seconds:g} s"
         faults.add("budget.replan_s", came, "expected at most as many seconds")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sooner.simulation.agents import STEP_S
 from sooner.simulation.command import CommandPost, Kept, Told
 from sooner.simulation.estimation import TeamBelief
-from sooner.simulation.in_flight import Flight
+from sooner.simulation.in_flight import Flight, left_of
 from sooner.simulation.links import Links
 from sooner.simulation.network import LookStore, Network, Report
 from sooner.simulation.scene import Scene
@@ -127,8 +127,7 @@ class DecentralisedCommand:
             place, velocity, team.v_max[one], team.a_max[one], self._capture_m[one], route[None],
             np.array([len(last.route)]), reached, float(second - last.second), STEP_S,
         )  # fmt: skip
-        left = last.route[max(min(int(reached[0]), len(last.route) - 1), 0) :]
-        return Report(second, place[0], velocity[0], left)
+        return Report(second, place[0], velocity[0], left_of(last.route, int(reached[0])))
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from sooner.simulation.sensing import LookLog
 from sooner.simulation.strategies.strategy import Routes
 from sooner.simulation.world import Truth, noise_seed
 
-__all__ = ["Flight"]
+__all__ = ["Flight", "left_of"]
 
 
 class Flight:
@@ -106,6 +106,15 @@ class Flight:
         )
 
 
+def left_of(route: NDArray[np.float64], reached: int) -> NDArray[np.float64]:
+    """The (k, 2) waypoints of a route that are not reached yet; its last always is among them.
+
+    >>> left_of(np.array([[0.0, 0.0], [5.0, 0.0]]), 2)
+    array([[5., 0.]])
+    """
+    return route[max(min(reached, len(route) - 1), 0) :]
+
+
 class _PackedRoutes:
     """Routes of all agents in one array, as the kernel that flies them takes them."""
 
@@ -117,7 +126,7 @@ class _PackedRoutes:
     @property
     def left(self) -> Routes:
         return tuple(
-            self.waypoints[agent, max(min(reached, length - 1), 0) : length].copy()
+            left_of(self.waypoints[agent, :length], reached).copy()
             for agent, (reached, length) in enumerate(zip(self.reached.tolist(), self.lengths.tolist(), strict=True))
         )
 
