@@ -152,10 +152,11 @@ class Trajectory:
         return np.clip(np.searchsorted(values, at, "right") - 1, 0, max(len(values) - 2, 0))
 
     def _tangential(self, k: NDArray[np.intp]) -> NDArray[np.float64]:
-        """(...) float: acceleration along the course after knot k."""
+        """(...) float: acceleration along the course after knot k; 0 where the speed jumps at once."""
         if len(self.knot_s) < 2:
             return np.zeros(k.shape)
-        return np.asarray((np.diff(self.knot_mps) / np.diff(self.knot_s))[k])
+        spans = np.diff(self.knot_s)
+        return np.asarray(np.divide(np.diff(self.knot_mps), spans, out=np.zeros(len(spans)), where=spans > 0)[k])
 
     def metres_at(self, t: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Metres flown and speed at times (...), which are held within the flight's."""
