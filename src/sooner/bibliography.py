@@ -149,6 +149,13 @@ BIBLIOGRAPHY: dict[str, Work] = {
         pages="119--142",
         year="2018",
     ),
+    "IAMSAR2019": _work(
+        "manual",
+        author="{International Maritime Organization and International Civil Aviation Organization}",
+        title="{IAMSAR} Manual: International Aeronautical and Maritime Search and Rescue Manual",
+        note="Volume {II}: Mission co-ordination; volume {III}: Mobile facilities. Doc 9731",
+        year="2019",
+    ),
     "Wolek2020": _work(
         "article",
         author="Wolek, Artur and Cheng, Sheng and Goswami, Debdipta and Paley, Derek A.",
