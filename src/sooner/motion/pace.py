@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from sooner.errors import InvalidProblemError
 from sooner.motion.kinematics import checked_waypoints, corners
 from sooner.motion.trajectory import Course, Trajectory
+from sooner.motion.wind import check_wind
 
 __all__ = ["Pace", "Terrain"]
 
@@ -198,7 +199,7 @@ class Pace:
         from sooner.motion._pace_kernels import leg_knots
 
         points = np.ascontiguousarray(checked_waypoints(points))
-        self._check_wind()
+        check_wind(self.airspeed_mps, self.wind)
         pace, halts = self.arrays(), corners(points)
         course = Course.straight(points[halts])
         legs = [leg_knots(*(*points[a], *points[b], *pace)) for a, b in pairwise(halts)]
@@ -207,14 +208,6 @@ class Pace:
         flown = np.interp(along, along[halts], course.bounds_m[: len(halts)])
         bare = Trajectory(points, np.empty(0), course, knot_s, knot_m, knot_mps)
         return Trajectory(points, bare.times_at(flown), course, knot_s, knot_m, knot_mps)
-
-    def _check_wind(self) -> None:
-        strength = math.hypot(*self.wind)
-        if self.airspeed_mps is not None and strength >= self.airspeed_mps:
-            raise InvalidProblemError(
-                f"a wind of {strength:g} m/s came, and at most {self.airspeed_mps:g} m/s through the air; no leg can be"
-                " flown against it: wait for less wind, or take a faster drone"
-            )
 
 
 def _knots(
