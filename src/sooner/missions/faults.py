@@ -6,32 +6,24 @@ import re
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from sooner.errors import DataFormatError, Fault
-from sooner.missions.settings import (
-    CameraSettings,
-    Cutting,
-    Estimating,
-    Hearing,
-    Place,
-    Searching,
-    Settings,
-    TargetSettings,
-    Window,
-)
+from sooner.missions.settings import Place, Settings
 
 __all__ = ["Faults"]
+
+Read = TypeVar("Read", bound=BaseModel)
 
 _MOST_LIKE = 10  # faults that differ in numbers and names alone
 _NUMBER_OR_NAME = re.compile(r"'[^']*'|\d+(\.\d+)?")
 
 
 class Faults:
-    """The faults of one mission file found so far, one for each key."""
+    """The faults of one file found so far, one for each key."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -58,13 +50,17 @@ class Faults:
             raise DataFormatError(*_some_of_each_kind(self.found))
 
     def settings(self, raw: dict[str, Any]) -> Settings:
-        """What the file says, without the keys that are wrong; those are reported and left out."""
+        """What a mission file says, without the keys that are wrong; those are reported and left out."""
+        return self.read(raw, Settings)
+
+    def read(self, raw: dict[str, Any], model: type[Read]) -> Read:
+        """What a file says, by the model of what it may say, whose keys can all be left out; likewise."""
         for _ in range(10):  # taking out a key can bring another fault of the same table to light
             try:
-                return Settings.model_validate(raw)
+                return model.model_validate(raw)
             except ValidationError as error:
                 found = error.errors(include_url=False)
-            for key, fault in _schema_faults(str(self.path), raw, found):
+            for key, fault in _schema_faults(str(self.path), raw, found, model):
                 if key not in self.wrong:
                     self.wrong.add(key)
                     self.found.append(fault)
@@ -91,7 +87,9 @@ def _some_of_each_kind(found: Iterable[Fault]) -> list[Fault]:
     return told
 
 
-def _schema_faults(file: str, raw: dict[str, Any], found: Iterable[ErrorDetails]) -> list[tuple[str, Fault]]:
+def _schema_faults(
+    file: str, raw: dict[str, Any], found: Iterable[ErrorDetails], model: type[BaseModel]
+) -> list[tuple[str, Fault]]:
     """pydantic's findings in our words, one per key."""
     by_key: dict[str, list[ErrorDetails]] = {}
     for detail in found:
@@ -99,7 +97,7 @@ def _schema_faults(file: str, raw: dict[str, Any], found: Iterable[ErrorDetails]
     faults = []
     for key, details in by_key.items():
         if details[0]["type"] == "extra_forbidden":
-            came, expected = "this key is not known", _known(details[0]["loc"])
+            came, expected = "this key is not known", _known(details[0]["loc"], model)
         else:
             came = f"{_told(_at(raw, details[0]['loc']))} came"
             expected = "expected " + " or ".join(dict.fromkeys(_wanted(detail) for detail in details))
@@ -107,16 +105,6 @@ def _schema_faults(file: str, raw: dict[str, Any], found: Iterable[ErrorDetails]
     return faults
 
 
-_TABLES: dict[str, type[BaseModel]] = {
-    "searcher": Searching,
-    "camera": CameraSettings,
-    "regions": Cutting,
-    "links": Hearing,
-    "target": TargetSettings,
-    "estimator": Estimating,
-    "window": Window,
-    "south_west": Place,
-}
 _BRANCHES = {"str", "float", "list[int]", "Place", "constrained-list", "list[constrained-int]"}
 
 
@@ -156,16 +144,19 @@ def _take_out(raw: Any, loc: tuple[int | str, ...]) -> None:
         raw[place[-1]] = {}
 
 
-def _known(loc: tuple[int | str, ...]) -> str:
+def _known(loc: tuple[int | str, ...], model: type[BaseModel]) -> str:
     """The keys of the table that a key was not known in."""
-    model: type[BaseModel] = Settings
     for part in loc[:-1]:
-        if isinstance(part, int):
-            continue
-        if part == "Place":
-            return "expected lat, lon"
-        model = _TABLES.get(part) or model.model_fields[part].annotation  # type: ignore[assignment]
-    return f"expected one of {', '.join(model.model_fields)}"
+        if part in model.model_fields:
+            model = _table(model.model_fields[str(part)].annotation) or model
+    return f"expected {'' if model is Place else 'one of '}{', '.join(model.model_fields)}"
+
+
+def _table(annotation: Any) -> type[BaseModel] | None:
+    """The table that a key holds, or a list of such; None where it holds no table."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((found for part in get_args(annotation) if (found := _table(part)) is not None), None)
 
 
 def _told(value: Any) -> str:
