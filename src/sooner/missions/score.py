@@ -52,8 +52,8 @@ class Score:
     evaluation: Evaluation
 
     @cached_property
-    def looks(self) -> NDArray[np.int64]:
-        """(N,) int: how often each cell is looked at."""
+    def looks(self) -> NDArray[Any]:
+        """(N,): how often each cell is looked at; along legs the effort on it."""
         problem = self.mission.problem
         if not self.mission.over_regions:
             return self.evaluation.looks

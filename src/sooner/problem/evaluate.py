@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sooner.errors import IllegalPlanError, UnsupportedProblemError
+from sooner.problem.moves import Looks
 from sooner.problem.plan import Plan
 from sooner.problem.search_problem import Drift, SearchProblem
 
@@ -24,13 +26,13 @@ class Evaluation:
     problem : SearchProblem
     times : (n,) float        when something was looked at, each time once, rising (steps for cell moves)
     cdp : (n,) float          total gain up to and including that time: the CDP curve, ending at the plan's POS
-    looks : (N,) int          how often each cell was looked at
+    looks : (N,) int          how often each cell was looked at; (N,) float where looks are worth parts of one
     """
 
     problem: SearchProblem
     times: NDArray[np.float64]
     cdp: NDArray[np.float64]
-    looks: NDArray[np.int64]
+    looks: NDArray[Any]
 
     @property
     def total(self) -> float:
@@ -93,6 +95,8 @@ def evaluate(problem: SearchProblem, plan: Plan) -> Evaluation:
 
     value = sum over looks of gain(cell, how often it was looked at before)      [Lin2014, eq. (7), for detection]
 
+    Looks that are worth more or less than one, as legs have them, pay what the total grows by.
+
     Looks are taken in order of time over all searchers. For a person who stays the total does not depend on that
     order; for one who drifts it is the forward filter of misses and moves.
 
@@ -119,10 +123,15 @@ def evaluate(problem: SearchProblem, plan: Plan) -> Evaluation:
     looks = [s.moves.looks(problem.grid, s, a) for s, a in zip(problem.searchers, plan.actions, strict=True)]
     items = np.concatenate([look.items for look in looks])
     times = np.concatenate([look.times for look in looks])
-    if len(looks) > 1:
+    worth = None if looks[0].worth is None else np.concatenate([_worth(look) for look in looks])
+    if len(looks) > 1 or worth is not None:
         order = np.argsort(times, kind="stable")
         items, times = items[order], times[order]
-    if problem.drift is None:
+        worth = None if worth is None else worth[order]
+    if worth is not None:
+        before = _summed_before(items, worth)
+        gained = problem.gains.total(items, before + worth) - problem.gains.total(items, before)
+    elif problem.drift is None:
         gained = problem.gains.of(items, _looked_before(items))
     else:
         _, gained = filtered(problem.drift, items, times.astype(np.int64), until=0)
@@ -130,7 +139,7 @@ def evaluate(problem: SearchProblem, plan: Plan) -> Evaluation:
     if problem.objective.kind == "detection":
         cdp = np.where((cdp > 1.0) & (cdp < 1.0 + 1e-9), 1.0, cdp)  # rounding alone can take a probability past one
     last = np.flatnonzero(np.append(times[1:] > times[:-1], True))
-    return Evaluation(problem, times[last], cdp[last], np.bincount(items, minlength=problem.gains.n_cells))
+    return Evaluation(problem, times[last], cdp[last], np.bincount(items, worth, minlength=problem.gains.n_cells))
 
 
 def check_legal(problem: SearchProblem, plan: Plan) -> None:
@@ -154,6 +163,21 @@ def _looked_before(items: NDArray[np.int64]) -> NDArray[np.int64]:
     before = np.empty(len(items), np.int64)
     before[order] = rank
     return before
+
+
+def _summed_before(items: NDArray[np.int64], worth: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n,) float: how many looks the same item had before, where each is worth some."""
+    order = np.argsort(items, kind="stable")
+    grouped, summed = items[order], np.concatenate([[0.0], np.cumsum(worth[order])])
+    first = np.append(True, grouped[1:] != grouped[:-1])
+    begins = np.maximum.accumulate(np.where(first, np.arange(len(items)), 0))
+    before = np.empty(len(items))
+    before[order] = summed[:-1] - summed[begins]
+    return np.maximum(before, 0.0)
+
+
+def _worth(looks: Looks) -> NDArray[np.float64]:
+    return np.ones(len(looks.items)) if looks.worth is None else looks.worth
 
 
 def filtered(

@@ -11,7 +11,7 @@ from sooner.belief import Belief
 from sooner.errors import InvalidProblemError
 from sooner.sensors import miss_after_looks
 
-__all__ = ["Gains", "detection_gains"]
+__all__ = ["Gains", "detection_gains", "effort_gains"]
 
 CORRELATED_LOOKS = 16  # columns kept of a table that has no closed tail
 
@@ -88,11 +88,49 @@ class Gains:
         gain: NDArray[np.float64] = self.table[cells, np.minimum(looks, last)] * self.ratio[cells] ** beyond
         return gain
 
+    def total(self, cells: NDArray[np.integer], looks: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What so many looks at `cells` pay in all; looks may be parts of one, as effort is.
+
+        Between whole looks of the table the total is a straight line, past the table it is the geometric tail's own
+        curve, so that it rises ever more slowly.
+
+        Parameters
+        ----------
+        cells, looks : (n,)         any shapes that broadcast
+
+        Examples
+        --------
+        >>> gains = Gains.independent(np.array([1.0]), np.array([0.75]))
+        >>> gains.total(np.array([0, 0, 0]), np.array([0.5, 1.0, 2.0]))
+        array([0.5   , 0.75  , 0.9375])
+        """
+        columns = self.table.shape[1] - 1
+        before = np.concatenate([np.zeros((self.n_cells, 1)), np.cumsum(self.table[:, :columns], axis=1)], axis=1)
+        whole = np.minimum(np.floor(looks), columns).astype(np.int64)
+        paid, ratio = before[cells, whole], self.ratio[cells]
+        more = np.asarray(looks) - whole
+        with np.errstate(divide="ignore", invalid="ignore"):
+            tail = np.where(ratio < 1.0, (1.0 - ratio**more) / (1.0 - ratio), more)
+        within = np.where(whole < columns, more, tail)
+        return np.asarray(paid + self.table[cells, whole] * within)
+
     def after(self, looked: NDArray[np.integer]) -> Gains:
         """The gains that remain once cell i has had `looked[i]` looks, (N,) int."""
         cells = np.arange(self.n_cells)
         columns = np.arange(self.table.shape[1])
         return Gains(self.of(cells[:, None], looked[:, None] + columns), self.ratio)
+
+
+def effort_gains(poc: ArrayLike) -> Gains:
+    """Gains of detection by effort: a look is a unit of effort, and e units detect with POD 1 - exp(-e).
+
+    What one cell pays for all effort is its POC; how much effort a leg puts on it, `sensors.Swath` says.
+
+    >>> effort_gains([0.5]).total(np.array([0]), np.array([2.0])).round(6)
+    array([0.432332])
+    """
+    p = np.ravel(poc).astype(np.float64)
+    return Gains((p * -np.expm1(-1.0))[:, None], np.full(len(p), np.exp(-1.0)))
 
 
 def detection_gains(

@@ -25,10 +25,12 @@ class Looks:
     ----------
     items : (n,) int          rows of the gain table: cells here, atoms where regions move
     times : (n,) float        when, in the problem's unit of time (steps for cell moves)
+    worth : (n,) float        how many looks each is worth; None: one each
     """
 
     items: NDArray[np.int64]
     times: NDArray[np.float64]
+    worth: NDArray[np.float64] | None = None
 
 
 class Moves(Protocol):

@@ -1,0 +1,205 @@
+"""A search along legs as planners see it: places one may fly to, what lies there, and routes that fit their budgets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sooner.planners import _leg_kernels as kernels
+from sooner.problem import Plan, SearchProblem
+from sooner.problem.leg_moves import LegMoves, place_numbers, places_of
+
+__all__ = ["LegGround", "Routes", "leg_searchers"]
+
+Route = NDArray[np.float64]
+MOST_POINTS = 4000  # of one route
+ROOM = 64  # points that a route may grow by, at least
+
+
+def leg_searchers(problem: SearchProblem) -> str | None:
+    """What planners of legs handle: searchers along legs that share airspace and sensor; None if it is so."""
+    moves = [searcher.moves for searcher in problem.searchers]
+    if not all(isinstance(each, LegMoves) for each in moves):
+        return "it plans moves along legs"
+    if problem.drift is not None:
+        return "it plans for a person who stays"
+    if problem.objective.target is not None:
+        return "it plans for the most by the end, not for a target soonest"
+    first = moves[0]
+    assert isinstance(first, LegMoves)
+    for each in moves[1:]:
+        assert isinstance(each, LegMoves)
+        if each.airspace is not first.airspace or each.swath is not first.swath:
+            return "it plans drones that share one airspace and one sensor"
+    if problem.gains.table.shape[1] != 1 or not np.allclose(problem.gains.ratio, np.exp(-1.0)):
+        return "it plans gains of effort (`effort_gains`)"
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class LegGround:
+    """What all routes of a problem share.
+
+    Parameters
+    ----------
+    problem : SearchProblem     whose searchers `leg_searchers` accepts
+    """
+
+    problem: SearchProblem
+
+    @cached_property
+    def moves(self) -> tuple[LegMoves, ...]:
+        """How each searcher moves."""
+        return tuple(each.moves for each in self.problem.searchers if isinstance(each.moves, LegMoves))
+
+    @cached_property
+    def poc(self) -> NDArray[np.float64]:
+        """(N,) float: what all effort on a cell would pay."""
+        return np.ascontiguousarray(self.problem.gains.first / -np.expm1(-1.0))
+
+    @cached_property
+    def arrays(self) -> tuple[Any, ...]:
+        """POC, ground, sight, pace and walls, as the kernels take them."""
+        grid, swath = self.problem.grid, self.moves[0].swath
+        ground = (float(grid.cell_m), *grid.shape)
+        return self.poc, ground, (float(swath.radius_m), swath.code, swath.strength), self.pace, self.walls
+
+    @property
+    def pace(self) -> tuple[Any, ...]:
+        """Of the first searcher; all fly alike."""
+        return self.moves[0].pace.arrays()
+
+    @property
+    def walls(self) -> NDArray[np.float64]:
+        """Of the airspace."""
+        return self.moves[0].airspace.walls
+
+    @cached_property
+    def budgets(self) -> NDArray[np.float64]:
+        """(R,) float: seconds of each searcher."""
+        return np.array([float(searcher.budget) for searcher in self.problem.searchers])
+
+    @cached_property
+    def ends(self) -> NDArray[np.bool_]:
+        """(R,) bool: whether each must come home."""
+        return np.array([each.end is not None for each in self.moves])
+
+    @cached_property
+    def within_reach(self) -> NDArray[np.bool_]:
+        """(N,) bool: cells that pay, and can be flown over by some searcher in time."""
+        centres = self.problem.grid.centres_m
+        space = self.moves[0].airspace
+        found = np.zeros(self.problem.grid.n_cells, bool)
+        sensible = np.flatnonzero((self.poc > 0) & (self.moves[0].swath.strength > 0))
+        sensible = sensible[space.sees(centres[sensible])]
+        for home, end, budget, pace in {
+            (each.home, each.end, float(one.budget), each.pace)
+            for each, one in zip(self.moves, self.problem.searchers, strict=True)
+        }:
+            far = space.metres_from(home, centres[sensible])
+            back = 0.0 if end is None else far if end == home else space.metres_from(end, centres[sensible])
+            found[sensible[(far + back) / _fastest(pace) <= budget]] = True
+        return found
+
+    def seconds(self, number: int, route: Route) -> float:
+        """How long a route of one searcher takes."""
+        return self.moves[number].seconds(route)
+
+    def joined(self, points: Route) -> Route:
+        """The polyline through places, with ways around whatever stands between two of them."""
+        space = self.moves[0].airspace
+        parts = [points[:1]]
+        for here, there in pairwise(points):
+            parts.append(there[None] if space.clear(here, there) else space.way(here, there)[1:])
+        return np.concatenate(parts)
+
+    def kept(self, number: int, inner: Route) -> Route:
+        """A route of one searcher through places, from home to its end, kept as plans are."""
+        moves = self.moves[number]
+        ends = [] if moves.end is None else [np.array([moves.end])]
+        points = np.concatenate([np.array([moves.home]), inner, *ends])
+        apart = np.append(True, np.hypot(*np.diff(points, axis=0).T) > kernels.KEPT_M)
+        apart[-1] = moves.end is not None or apart[-1]
+        return places_of(place_numbers(self.joined(points[apart])))
+
+    def least(self, number: int) -> Route:
+        """The shortest route of one searcher: its way home, or where it stands."""
+        return self.kept(number, np.zeros((0, 2)))
+
+    def fitting(self, number: int, inner: Route) -> tuple[Route, int]:
+        """The longest first part of a route, by places, that can still come home in time; and how many places it has.
+
+        Bisected, as to fly on to a further place takes longer; where a slope or the wind makes that wrong, a shorter
+        part is found than there might be.
+        """
+        low, high = 0, len(inner)
+        best = self.least(number)
+        whole = self.kept(number, inner)
+        if self.seconds(number, whole) <= self.budgets[number]:
+            return whole, high
+        while high - low > 1:
+            middle = (low + high) // 2
+            tried = self.kept(number, inner[:middle])
+            if self.seconds(number, tried) <= self.budgets[number]:
+                low, best = middle, tried
+            else:
+                high = middle
+        return best, low
+
+    def plan(self, routes: list[Route]) -> Plan:
+        """Routes as a plan."""
+        return Plan(tuple(place_numbers(route) for route in routes))
+
+
+@dataclass(eq=False)
+class Routes:
+    """Routes that change in place, with the effort that they put on the ground.
+
+    Parameters
+    ----------
+    ground : LegGround
+    routes : of (n, 2)          legal ones
+    """
+
+    ground: LegGround
+    routes: list[Route]
+
+    def __post_init__(self) -> None:
+        longest = max(len(route) for route in self.routes)
+        room = min(2 * longest + ROOM, MOST_POINTS)
+        shape = (len(self.routes), max(room, longest), 2)
+        self.points, self.counts = np.zeros(shape), np.array([len(route) for route in self.routes], np.int64)
+        for kept, route in zip(self.points, self.routes, strict=True):
+            kept[: len(route)] = route
+        size = self.ground.problem.grid.n_cells
+        self.seconds, self.effort = np.zeros(len(self.routes)), np.zeros(size)
+        self._scratch = np.empty(size, np.int64), np.empty(size), np.empty(size)
+        self.best_points, self.best_counts = self.points.copy(), self.counts.copy()
+        self.value = self.best_value = self.load()
+
+    def load(self) -> float:
+        """Work out everything anew, without what rounding has added up to."""
+        poc, ground, sight, pace, _ = self.ground.arrays
+        return float(
+            kernels.load(self.points, self.counts, self.seconds, self.effort, poc, ground, sight, pace, *self._scratch)
+        )
+
+    def back_to_best(self) -> None:
+        """Go on from the best routes so far."""
+        self.points[:], self.counts[:] = self.best_points, self.best_counts
+        self.value = self.load()
+
+    @property
+    def best(self) -> list[Route]:
+        """The best routes so far."""
+        return [kept[:count].copy() for kept, count in zip(self.best_points, self.best_counts, strict=True)]
+
+
+def _fastest(pace: Any) -> float:
+    """Most metres a second over the ground, with the wind behind."""
+    return float(pace.speed_mps)

@@ -1,0 +1,112 @@
+"""Compiled effort of straight legs on square cells: plain arrays in, plain arrays out.
+
+Lengths are in metres; places are metres east and north of the south-west cell's centre, row 0 lies north.
+laws : SEEN (whoever is in view is seen), EVEN (a rate for each metre in view), CUBE (falling with distance cubed)
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+SEEN, EVEN, CUBE = 0, 1, 2
+SURE = 40.0  # effort of a look that detects for certain: exp(-40) is nothing
+TOUCH_M = 1e-6  # farther than the radius by no more than this is still in view
+NEAREST = 1e-3  # share of the radius nearer than which the inverse cube does not grow any more
+
+
+@njit(cache=True, nogil=True)
+def effort_on(east, north, x0, y0, x1, y1, radius, law, strength):
+    """Effort of one leg on one place, and the metres along it at which it is nearest; (0, 0) where it is not in view.
+
+    strength : EVEN: effort a metre in view; CUBE: sweep width W, for W^2 / 8 pi r^3 of effort a metre; 0 sees nothing
+    """
+    dx, dy = x1 - x0, y1 - y0
+    length = math.sqrt(dx * dx + dy * dy)
+    if strength <= 0.0:
+        return 0.0, 0.0
+    if length < 1e-12:
+        off = math.hypot(east - x0, north - y0)
+        return (SURE if law == SEEN and off <= radius + TOUCH_M else 0.0), 0.0
+    along = ((east - x0) * dx + (north - y0) * dy) / length
+    aside2 = ((east - x0) * dy - (north - y0) * dx) ** 2 / (length * length)
+    nearest = min(max(along, 0.0), length)
+    if law == SEEN:
+        seen = aside2 + (along - nearest) ** 2 <= (radius + TOUCH_M) ** 2
+        return (SURE if seen else 0.0), nearest
+    half2 = radius * radius - aside2
+    if half2 <= 0.0:
+        return 0.0, 0.0
+    half = math.sqrt(half2)
+    enter, leave = max(along - half, 0.0) - along, min(along + half, length) - along
+    if leave <= enter:
+        return 0.0, 0.0
+    if law == EVEN:
+        return min(strength * (leave - enter), SURE), nearest
+    aside2 = max(aside2, (NEAREST * radius) ** 2)
+    swept = leave / math.sqrt(aside2 + leave * leave) - enter / math.sqrt(aside2 + enter * enter)
+    return min(strength * strength / (8.0 * math.pi) * swept / aside2, SURE), nearest
+
+
+@njit(cache=True, nogil=True)
+def leg_effort(x0, y0, x1, y1, cell_m, height, width, radius, law, strength, cells, effort, nearest):
+    """Fill the arrays with the cells that one leg puts effort on; answers how many, -1 where they do not fit.
+
+    strength : (N,) float64 by cell
+    """
+    count = 0
+    reach = radius + TOUCH_M
+    low = max(math.ceil((min(y0, y1) - reach) / cell_m), 0)
+    high = min(math.floor((max(y0, y1) + reach) / cell_m), height - 1)
+    dx, dy = x1 - x0, y1 - y0
+    for up in range(low, high + 1):
+        north = up * cell_m
+        west, east = min(x0, x1), max(x0, x1)
+        if abs(dy) > 1e-9:  # only the part of the leg that lies within reach of this row
+            t0, t1 = (north - reach - y0) / dy, (north + reach - y0) / dy
+            if t0 > t1:
+                t0, t1 = t1, t0
+            t0, t1 = min(max(t0, 0.0), 1.0), min(max(t1, 0.0), 1.0)
+            a, b = x0 + t0 * dx, x0 + t1 * dx
+            west, east = min(a, b), max(a, b)
+        first = max(math.ceil((west - reach) / cell_m), 0)
+        last = min(math.floor((east + reach) / cell_m), width - 1)
+        row = (height - 1 - up) * width
+        for col in range(first, last + 1):
+            worth, at = effort_on(col * cell_m, north, x0, y0, x1, y1, radius, law, strength[row + col])
+            if worth > 0.0:
+                if count == cells.shape[0]:
+                    return -1
+                cells[count], effort[count], nearest[count] = row + col, worth, at
+                count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def line_effort(points, cell_m, height, width, radius, law, strength):
+    """Effort of every leg of a polyline (n, 2), in order: cells, effort, and metres along the line when nearest."""
+    room = 1024
+    cells, effort, nearest = np.empty(room, np.int64), np.empty(room), np.empty(room)
+    leg_cells, leg_worth, leg_at = np.empty(1024, np.int64), np.empty(1024), np.empty(1024)
+    count, flown = 0, 0.0
+    for k in range(max(points.shape[0] - 1, 1)):
+        j = min(k + 1, points.shape[0] - 1)
+        x0, y0, x1, y1 = points[k, 0], points[k, 1], points[j, 0], points[j, 1]
+        found = leg_effort(x0, y0, x1, y1, cell_m, height, width, radius, law, strength, leg_cells, leg_worth, leg_at)
+        while found < 0:
+            more = 4 * leg_cells.shape[0]
+            leg_cells, leg_worth, leg_at = np.empty(more, np.int64), np.empty(more), np.empty(more)
+            found = leg_effort(
+                x0, y0, x1, y1, cell_m, height, width, radius, law, strength, leg_cells, leg_worth, leg_at
+            )
+        if count + found > room:
+            room = 2 * (count + found)
+            more_cells, more_worth, more_at = np.empty(room, np.int64), np.empty(room), np.empty(room)
+            more_cells[:count], more_worth[:count], more_at[:count] = cells[:count], effort[:count], nearest[:count]
+            cells, effort, nearest = more_cells, more_worth, more_at
+        cells[count : count + found] = leg_cells[:found]
+        effort[count : count + found] = leg_worth[:found]
+        nearest[count : count + found] = leg_at[:found] + flown
+        count += found
+        flown += math.hypot(x1 - x0, y1 - y0)
+    return cells[:count], effort[:count], nearest[:count]
