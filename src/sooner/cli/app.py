@@ -154,6 +154,40 @@ def export_plan(
     return partial(_run, "export", "export_plan", mission, plan, formats or [], out, autopilot, dji, json, force)
 
 
+@app.command(name="upload")
+def upload_plan(
+    mission: MissionFile,
+    plan: Annotated[Path, typer.Argument(metavar="PLAN.csv", help="What `sooner plan` wrote, or a plan of your own.")],
+    connect: Annotated[
+        str,
+        typer.Option(
+            metavar="ADDRESS",
+            help="udp:HOST:PORT waits at that port of this machine for a vehicle, as ground stations do; "
+            "udpout:HOST:PORT sends first; tcp:HOST:PORT; serial:DEVICE:BAUD.",
+        ),
+    ],
+    searcher: Annotated[
+        int | None, typer.Option(help="Whose flight; needed where the plan has several.", min=0)
+    ] = None,
+    autopilot: Annotated[str | None, typer.Option(help="ardupilot or px4; left out: what its heartbeat says.")] = None,
+    system: Annotated[
+        int | None, typer.Option(help="Which vehicle, by its number, where several are heard.", min=1, max=255)
+    ] = None,
+    wait: Annotated[float, typer.Option(help="Seconds to wait for a heartbeat.")] = 20.0,
+    json: Json = False,
+    quiet: Quiet = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace the mission of an armed vehicle.")] = False,
+) -> Work:
+    """Send a flight to a vehicle over MAVLink: fence, rally points and mission, read back and compared.
+
+    It arms nothing, starts nothing and switches no fence on. A fence or rally points that the vehicle holds and the
+    flight does not have are cleared, and told. Ends with status 0 where the vehicle holds what it was sent.
+    Needs pymavlink: pip install 'sooner[aircraft]'.
+    """
+    wishes = (connect, searcher, autopilot, system, wait, json, quiet, force)
+    return partial(_run, "upload", "upload_plan", mission, plan, *wishes)
+
+
 @app.command()
 def simulate(
     mission: MissionFile,
