@@ -15,8 +15,9 @@ from sooner.errors import InvalidProblemError
 __all__ = ["KEPT_M", "Airspace"]
 
 KEPT_M = 0.01  # to which plans keep places; ways stay a few times as far from borders, so that rounding never crosses
-MOST_WALLS = 400  # stretches of border that ways are planned along; more are drawn simpler, on the safe side
-SIMPLER_M = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # by which they may be
+MOST_WALLS = (400, 2000)  # stretches of border that ways are planned along: a few, or more where few lose much ground
+LOSES_MUCH = 0.03  # share of the ground
+SIMPLER_M = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # by which a border may be drawn simpler, on the safe side
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,16 +92,20 @@ class Airspace:
     @cached_property
     def inner(self) -> Any:
         """What planners fly in: `free` less a few centimetres, and simpler where its border turns often."""
-        shrunk = None
-        for simpler_m in SIMPLER_M:
-            away = 3 * KEPT_M + simpler_m
-            shrunk = self.free.buffer(-away, join_style="mitre")
-            if simpler_m:
-                shrunk = shrunk.simplify(simpler_m)
-            if shapely.get_num_coordinates(shrunk) <= MOST_WALLS:
+        drawn = [self._simpler(SIMPLER_M[0])]
+        for most in MOST_WALLS:
+            while shapely.get_num_coordinates(drawn[-1]) > most and len(drawn) < len(SIMPLER_M):
+                drawn.append(self._simpler(SIMPLER_M[len(drawn)]))
+            shrunk = next((each for each in drawn if shapely.get_num_coordinates(each) <= most), drawn[-1])
+            if shrunk.area >= (1.0 - LOSES_MUCH) * drawn[0].area:
                 break
         shapely.prepare(shrunk)
         return shrunk
+
+    def _simpler(self, simpler_m: float) -> Any:
+        """By half of what was taken away: where a ring begins, GEOS moves the border by up to twice what it is told."""
+        shrunk = self.free.buffer(-3 * KEPT_M - simpler_m, join_style="mitre")
+        return shrunk.simplify(simpler_m / 2) if simpler_m else shrunk
 
     @cached_property
     def walls(self) -> NDArray[np.float64]:
