@@ -243,6 +243,7 @@ def test_a_vehicle_that_is_armed_meanwhile_keeps_its_mission():
         ({"x": 460_000_123}, "mission item 2 (waypoint): latitude 46.0000000 was sent, 46.0000123 came back"),
         ({"y": 110_000_002}, "longitude 11.0000000 was sent, 11.0000002 came back"),
         ({"z": 60.001}, "altitude 60 was sent, 60.001 came back"),
+        ({"z": math.nan}, "altitude 60 was sent, nan came back"),
         ({"frame": 0}, "frame 3 was sent, 0 came back"),
         ({"command": 17}, "command 16 was sent, 17 came back"),
         ({"param1": 1.0}, "parameter 1 0 was sent, 1 came back"),
@@ -334,7 +335,10 @@ def test_a_fence_that_is_refused_stops_the_upload_before_the_mission():
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of one thread")
 @pytest.mark.parametrize(
     ("autopilot", "told"),
-    [(PX4, "PX4 keeps its old mission until"), (ARDUPILOT, "ArduPilot may hold a part of the new mission and a part")],
+    [
+        (PX4, "PX4 keeps its old mission until"),
+        (ARDUPILOT, "the vehicle may hold a part of the new mission and a part"),
+    ],
 )
 def test_an_interruption_half_way_is_told_to_the_vehicle_and_to_the_pilot(autopilot, told):
     with flying(autopilot=autopilot, held={0: 5}) as vehicle:
@@ -346,6 +350,36 @@ def test_an_interruption_half_way_is_told_to_the_vehicle_and_to_the_pilot(autopi
             time.sleep(0.01)
     assert vehicle.taking is None
     assert len(vehicle.lists[0]) == 5
+
+
+def test_an_interruption_before_that_changes_no_mission():
+    def interrupt(line):
+        if line.startswith("vehicle"):
+            raise KeyboardInterrupt
+
+    with flying(held={0: 5}) as vehicle, pytest.raises(KeyboardInterrupt, match="the vehicle's mission is as it was"):
+        sent_to(vehicle, tell=interrupt)
+    assert len(vehicle.lists[0]) == 5
+
+
+def test_an_interruption_while_it_is_read_back_says_that_it_is_not_checked():
+    def interrupt(message):
+        signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+
+    with flying() as vehicle:
+        vehicle._on_mission_request_int = interrupt
+        told = "while the fence was read back: the vehicle took it, and it is not checked; its mission is as it was"
+        with pytest.raises(KeyboardInterrupt, match=told):
+            sent_to(vehicle, patience=Patience(neighbours_s=0.1))
+
+
+def test_a_mission_that_cannot_be_read_back_is_told_of():
+    with flying() as vehicle:
+        vehicle._on_mission_request_int = lambda message: None
+        with pytest.raises(
+            VehicleError, match=r"did not say item 0 of 9, asked 5 times.*took it, and it is not checked"
+        ):
+            sent_to(vehicle, BARE)
 
 
 # ---------------------------------------------------------------- without pymavlink

@@ -96,7 +96,7 @@ def upload(
     """
     dialect()
     patience = patience or Patience()
-    with closing(connection.opened()) as channel:
+    with _nothing_changed(), closing(connection.opened()) as channel:
         tell(f"waiting for a heartbeat at {connection}")
         link = Link(channel)
         vehicle, first = find_vehicle(link, str(connection), patience, system)
@@ -107,6 +107,15 @@ def upload(
         _check_disarmed(talk, force)
         talk.learn_capabilities(patience)
         return _Upload(plan, talk, Lists(talk, patience), force, tell).done()
+
+
+@contextmanager
+def _nothing_changed() -> Iterator[None]:
+    """An interruption that nobody else has put into words came before the mission was sent."""
+    try:
+        yield
+    except KeyboardInterrupt as error:
+        raise error if error.args else KeyboardInterrupt("interrupted; the vehicle's mission is as it was") from None
 
 
 def _check_disarmed(talk: Talk, force: bool) -> None:
@@ -151,20 +160,19 @@ class _Upload:
 
     def _put(self, part: Part, items: tuple[MissionItem, ...]) -> None:
         self.tell(f"sending the {part.name}: {len(items)} items")
-        with self._interruptible(part):
-            try:
-                self.lists.put(part, items)
-            except VehicleError as refusal:
-                if part is not MISSION and refusal.result == UNSUPPORTED and self._counted(part) == 0:
-                    self._left_out(part, items)
-                    return
-                raise self._with_state(refusal, part) from None
-        self.tell(f"reading the {part.name} back")
         try:
+            with self._broken_off(f"while the {part.name} was sent", part, self._state(part)):
+                self.lists.put(part, items)
+        except VehicleError as refusal:
+            if part is not MISSION and refusal.result == UNSUPPORTED and self._counted(part) == 0:
+                self._left_out(part, items)
+                return
+            raise
+        self.tell(f"reading the {part.name} back")
+        with self._broken_off(
+            f"while the {part.name} was read back", part, "the vehicle took it, and it is not checked"
+        ):
             count, held = self.lists.read(part, len(items))
-        except KeyboardInterrupt:
-            taken = f"interrupted: the vehicle has taken the {part.name}, which was not read back"
-            raise KeyboardInterrupt(f"{taken}{self._without(part)}") from None
         told = differences(part, items, held, count, self.ardupilot)
         self.checked.append(Checked(part.name, len(items), count, told))
         if part is MISSION:
@@ -207,27 +215,23 @@ class _Upload:
     # ------------------------------------------------------------ words
 
     @contextmanager
-    def _interruptible(self, part: Part) -> Iterator[None]:
+    def _broken_off(self, when: str, part: Part, state: str) -> Iterator[None]:
+        """Whatever ends a transfer early also tells what the vehicle then holds."""
+        told = state if part is MISSION else f"{state}; its mission is as it was"
         try:
             yield
         except KeyboardInterrupt:
             self.lists.cancel(part)
-            raise KeyboardInterrupt(f"interrupted while the {part.name} was sent: {self._state(part)}") from None
-
-    def _with_state(self, refusal: VehicleError, part: Part) -> VehicleError:
-        fault = refusal.fault
-        return VehicleError(replace(fault, expected=f"{fault.expected}; {self._state(part)}"), refusal.result)
+            raise KeyboardInterrupt(f"interrupted {when}: {told}") from None
+        except VehicleError as refusal:
+            fault = replace(refusal.fault, expected=f"{refusal.fault.expected}; {told}")
+            raise VehicleError(fault, refusal.result) from None
 
     def _state(self, part: Part) -> str:
         """What a vehicle holds after a transfer that broke off."""
-        if self.talk.vehicle.autopilot == PX4:
-            return f"PX4 keeps its old {part.name} until the last item has come{self._without(part)}"
-        name = self.talk.vehicle.autopilot_name if self.ardupilot else "the vehicle"
-        told = f"{name} may hold a part of the new {part.name} and a part of the old"
-        return f"{told}: upload again, or clear it, before it flies{self._without(part)}"
-
-    def _without(self, part: Part) -> str:
-        return "" if part is MISSION else "; its mission is as it was"
+        if self.talk.vehicle.autopilot == PX4 and part is MISSION:
+            return "PX4 keeps its old mission until the last item has come"
+        return f"the vehicle may hold a part of the new {part.name} and a part of the old: upload again before it flies"
 
     def _fenced(self) -> Iterator[str]:
         if not any(each.part == FENCE.name and each.sent for each in self.checked):
