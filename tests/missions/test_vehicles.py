@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from sooner.errors import DataFormatError, InvalidProblemError
 from sooner.io.flights.aircraft import DJI_MODELS
+from sooner.io.georeference import Georeference
 from sooner.missions.vehicle_reference import vehicle_page
 from sooner.missions.vehicles import Vehicle, VehicleFile, read_vehicle
 from sooner.missions.winds import WindSettings, wind_fault
@@ -172,6 +173,28 @@ def test_a_wind_from_the_north_blows_to_the_south(from_deg, to):
     expected = (-math.sqrt(0.5), -math.sqrt(0.5)) if to is None else to
     blows_to = WindSettings(speed_mps=8.0, from_deg=from_deg).blows_to
     assert blows_to == pytest.approx((8.0 * expected[0], 8.0 * expected[1]), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("crs", "corner", "leans"),
+    [
+        ("EPSG:32632", (720_000.0, 5_150_000.0), -2.1),
+        ("EPSG:3035", (5_100_000.0, 4_800_000.0), -15.1),
+        ("EPSG:5070", (-1_450_000.0, 1_950_000.0), 11.0),
+        ("EPSG:3857", (1_250_000.0, 5_850_000.0), 0.0),
+    ],
+)
+def test_on_a_map_that_leans_the_wind_comes_from_true_north_still(crs, corner, leans):
+    ground = Georeference(crs, corner, 24.0, 24.0)
+    east, north = WindSettings(speed_mps=10.0, from_deg=0.0).over(ground, (41, 41))
+    assert math.hypot(east, north) == pytest.approx(10.0)
+    assert math.degrees(math.atan2(east, -north)) == pytest.approx(-leans, abs=1.0)
+    upwind = [[20.0 + 40 * north / 10, 20.0 - 40 * east / 10], [20.0, 20.0]]  # rows go south: 960 m against the wind
+    (lat, lon), (middle_lat, middle_lon) = ground.places(upwind)
+    assert lat > middle_lat + 0.005
+    assert lon == pytest.approx(middle_lon, abs=2e-5)
+    turned = WindSettings(speed_mps=10.0, from_deg=90.0).over(ground, (41, 41))
+    assert turned == pytest.approx((north, -east))
 
 
 def test_a_wind_that_a_vehicle_cannot_fly_in_is_refused_with_numbers():

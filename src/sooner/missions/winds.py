@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from math import cos, radians, sin
+from math import atan2, cos, radians, sin
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from sooner.errors import Fault, InvalidProblemError
+from sooner.io.georeference import Georeference
 from sooner.motion.wind import Wind, check_wind
 
 __all__ = ["WindSettings", "wind_fault"]
+
+_NEARBY_DEG = 1e-4  # some 11 m to the north, whichever way that is on a map
 
 
 class WindSettings(BaseModel):
@@ -28,13 +31,32 @@ class WindSettings(BaseModel):
 
     @property
     def blows_to(self) -> Wind:
-        """Metres a second east and north.
+        """Metres a second to the true east and north.
 
         >>> east, north = WindSettings(speed_mps=8.0, from_deg=270.0).blows_to
         >>> round(east, 9), round(north, 9) + 0.0
         (8.0, 0.0)
         """
-        bearing = radians(self.from_deg)
+        return self._toward(radians(self.from_deg))
+
+    def over(self, ground: Georeference, shape: tuple[int, int]) -> Wind:
+        """Metres a second along the columns of a raster and up its rows, whose north may lean away from the true one.
+
+        True north is that in the middle of the raster, (H, W). The projections of a whole continent lean by up to some
+        thirty degrees, those of a UTM zone by up to three at middle latitudes.
+
+        >>> finland = Georeference("EPSG:3035", (5_100_000.0, 4_800_000.0), 100.0, 100.0)
+        >>> east, north = WindSettings(speed_mps=10.0, from_deg=0.0).over(finland, (100, 100))
+        >>> round(east, 1), round(north, 1)
+        (2.6, -9.7)
+        """
+        middle = ((shape[0] - 1) / 2, (shape[1] - 1) / 2)
+        ((lat, lon),) = ground.places([middle])
+        (south, north) = ground.cells([[lat - _NEARBY_DEG, lon], [lat + _NEARBY_DEG, lon]])
+        lean = atan2(north[1] - south[1], south[0] - north[0])  # clockwise from the map's north to the true one
+        return self._toward(radians(self.from_deg) + lean)
+
+    def _toward(self, bearing: float) -> Wind:
         return (-self.speed_mps * sin(bearing), -self.speed_mps * cos(bearing))
 
 
