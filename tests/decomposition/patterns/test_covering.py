@@ -87,8 +87,9 @@ def test_over_a_wide_rectangle_little_more_is_flown_than_its_area_asks_for():
         assert found.length_m * 2 * 25 * (1 - overlap) / field.area < 1.08
 
 
-def test_the_swaths_of_neighbouring_lanes_overlap_by_what_is_stated():
-    found = covering(shapely.box(0, 0, 2000, 300), 50.0, 0.25)
+def test_the_swaths_of_neighbouring_lanes_overlap_by_what_is_stated_and_where_turns_are_dear_lanes_are_long():
+    found = covering(shapely.box(0, 0, 2000, 300), 50.0, 0.25, turn_m=50.0)
+    assert len(np.concatenate(found.tracks)) < 15
     heights = np.unique(np.concatenate(found.tracks)[:, 1].round(3))
     assert np.diff(heights).max() <= 2 * 50 * 0.75 + 1e-6
 

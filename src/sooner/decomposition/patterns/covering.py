@@ -18,6 +18,9 @@ from sooner.errors import InvalidProblemError
 __all__ = ["Covering", "covering"]
 
 _SURE = 1e-3  # of the radius, that is kept in hand so that rounding leaves no gap
+_CLOSER = (1.0, 0.95, 0.9)  # strips that are narrower than they must be let their lanes end earlier
+_MANY_LANES = 60
+_MENDED = 8  # of the tries, the best, whose gaps are closed before the best is chosen
 _SEEN = 5e-3  # of the radius: what can only be seen from less near than that counts as out of sight
 
 
@@ -37,15 +40,14 @@ class Covering:
     @property
     def length_m(self) -> float:
         """Metres along the tracks, and straight from the end of each to the next."""
-        points = np.concatenate(self.tracks) if self.tracks else np.zeros((0, 2))
-        return float(np.hypot(*np.diff(points, axis=0).T).sum())
+        return _cost(self.tracks, 0.0)
 
 
-def covering(polygon: Any, radius: float, overlap: float = 0.0, free: Any = None) -> Covering:
+def covering(polygon: Any, radius: float, overlap: float = 0.0, free: Any = None, *, turn_m: float = 0.0) -> Covering:
     """Tracks from which a disc sees every place of a polygon that can be seen from free ground.
 
-    Lanes in strips, 2 R (1 - overlap) apart; round the border first where that is shorter; then short detours to
-    what is left at borders and corners. Of several angles of the lanes the shortest is kept.
+    Lanes in strips, at most 2 R (1 - overlap) apart; then short detours to what they leave at borders and corners. Of
+    several angles of the lanes the best is kept.
 
     Parameters
     ----------
@@ -53,6 +55,8 @@ def covering(polygon: Any, radius: float, overlap: float = 0.0, free: Any = None
     radius : float             R, metres to which the drone sees
     overlap : float            in [0, 0.9]: the share of each swath that the next one sees as well
     free : (Multi)Polygon      where the drone may be; None for the polygon
+
+    turn_m : float             metres that might be flown instead of each turn; the shortest tracks turn often
 
     Returns
     -------
@@ -77,41 +81,36 @@ def covering(polygon: Any, radius: float, overlap: float = 0.0, free: Any = None
     free = polygon if free is None else checked_ground(free)
     if not 0 <= overlap <= 0.9:
         raise InvalidProblemError(f"an overlap of {overlap} came; expected 0 to 0.9")
+    if not (np.isfinite(turn_m) and turn_m >= 0):
+        raise InvalidProblemError(f"{turn_m} m for a turn came; expected a number of at least 0")
     ground = polygon.intersection(free.buffer(radius * (1 - _SEEN)))
     ground = shapely.multipolygons([part for part in shapely.get_parts(ground) if part.geom_type == "Polygon"])
     if ground.area <= 0:
         raise InvalidProblemError(f"nothing of the polygon lies within {radius} m of free ground; expected some")
     unseen = polygon.difference(free.buffer(radius * (1 - _SEEN)))
-    tries = [
-        _laned(ground, free, radius, overlap, angle, rim)
-        for angle in _angles(ground)
-        for rim in _rims(ground, free, radius)
-    ]
-    tries.sort(key=lambda each: Covering(each, unseen).length_m)
-    mends = [mended(each, ground, free, radius * (1 - _SURE)) for each in tries[:4]]
-    return min((Covering(each, unseen) for each in mends), key=lambda each: each.length_m)
-
-
-def _angles(ground: Any) -> list[float]:
-    """Angles worth trying: the fewest lanes first."""
-    best = narrowest(ground)
-    return [best + k * np.pi / 6 for k in range(6)]
-
-
-def _rims(ground: Any, free: Any, radius: float) -> list[Tracks]:
-    """Ways round the border to begin with: none, or just near enough to see square corners, or straight sides."""
-    both = ground.intersection(free)
     border = _border(ground, free, radius)
-    rims: list[Tracks] = [border]
-    for inside in (0.7 * radius, 0.97 * radius):
-        rings = shapely.get_parts(shapely.boundary(both.buffer(-inside, join_style="mitre")))
-        lines = [
-            line.simplify(0.02 * radius) for line in shapely.get_parts(shapely.line_merge(shapely.union_all(rings)))
-        ]
-        free_lines = [line for line in lines if line.length > 0 and free.buffer(1e-6).covers(line)]
-        if free_lines:
-            rims.append((*border, *(shapely.get_coordinates(line) for line in free_lines)))
-    return rims
+    spacing = 2 * radius * (1 - 2.5 * _SURE) * (1 - overlap)
+    tries = [
+        _laned(ground, free, radius, spacing * closer, angle, border)
+        for angle in _angles(ground, spacing)
+        for closer in _CLOSER
+    ]
+    tries.sort(key=lambda tracks: _cost(tracks, turn_m))
+    mends = [mended(tracks, ground, free, radius * (1 - _SURE)) for tracks in tries[:_MENDED]]
+    return Covering(min(mends, key=lambda tracks: _cost(tracks, turn_m)), unseen)
+
+
+def _cost(tracks: Tracks, turn_m: float) -> float:
+    """Metres along tracks and straight between them, and so many for each turn."""
+    points = np.concatenate(tracks)
+    return float(np.hypot(*np.diff(points, axis=0).T).sum()) + turn_m * len(points)
+
+
+def _angles(ground: Any, spacing: float) -> list[float]:
+    """Angles worth trying: along the ground and in equal turns from there, fewer where there are many lanes."""
+    west, south, east, north = ground.bounds
+    tried = 18 if max(east - west, north - south) < _MANY_LANES * spacing else 4
+    return [narrowest(ground) + k * np.pi / tried for k in range(tried)]
 
 
 def _border(ground: Any, free: Any, radius: float) -> Tracks:
@@ -125,15 +124,12 @@ def _border(ground: Any, free: Any, radius: float) -> Tracks:
     return tuple(shapely.get_coordinates(line) for line in merged)
 
 
-def _laned(ground: Any, free: Any, radius: float, overlap: float, angle: float, rim: Tracks) -> Tracks:
-    """A way round, and lanes over what it leaves, in the order of a short tour."""
+def _laned(ground: Any, free: Any, radius: float, spacing: float, angle: float, border: Tracks) -> Tracks:
+    """Stretches of border, and lanes over what they leave, in the order of a short tour."""
     sure = radius * (1 - 2.5 * _SURE)
-    left = ground
-    if rim:
-        swept = shapely.buffer([shapely.linestrings(ring) for ring in rim], sure * (1 - overlap), quad_segs=32)
-        left = ground.difference(shapely.union_all(swept))
-    legs = strip_legs(turned(left, -angle), turned(free, -angle), sure, 2 * sure * (1 - overlap))
-    stretches = [*rim, *(turned_points(leg, angle) for leg in legs)]
+    left = gaps(ground, border, sure) if border else ground
+    legs = strip_legs(turned(left, -angle), turned(free, -angle), sure, spacing)
+    stretches = [*border, *(turned_points(leg, angle) for leg in legs)]
     tracks = joined(toured(stretches, free, 6 * radius), free)
     # long gaps, along slanting borders, are worth legs of their own in the order
     long = [leg for gap in pieces_of(gaps(ground, tracks, sure), sure) for leg in legs_along(gap, free, sure)]
