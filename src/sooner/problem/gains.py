@@ -91,8 +91,8 @@ class Gains:
     def total(self, cells: NDArray[np.integer], looks: NDArray[np.float64]) -> NDArray[np.float64]:
         """What so many looks at `cells` pay in all; looks may be parts of one, as effort is.
 
-        Between whole looks of the table the total is a straight line, past the table it is the geometric tail's own
-        curve, so that it rises ever more slowly.
+        Up to the table's last column the total is a straight line between whole looks, from there on the geometric
+        tail's own curve; where the table has one column, as that of effort, it rises ever more slowly.
 
         Parameters
         ----------

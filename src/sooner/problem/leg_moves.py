@@ -12,6 +12,7 @@ from sooner.errors import InfeasibleProblemError, InvalidProblemError
 from sooner.grid.airspace import KEPT_M, Airspace
 from sooner.motion.pace import Pace
 from sooner.motion.trajectory import Trajectory
+from sooner.motion.wind import check_wind
 from sooner.problem.moves import Looks
 from sooner.sensors.swath import Swath
 
@@ -98,13 +99,14 @@ class LegMoves:
             raise InvalidProblemError(f"departs_s = {self.departs_s} came; expected seconds of at least 0")
 
     def check(self, grid: Grid, searcher: Searcher) -> None:
-        """Seconds, and enough of them to get from home to the end."""
+        """Seconds, and enough of them to get from home to the end; a wind that can be flown in."""
         if not (np.isfinite(searcher.budget) and searcher.budget > 0):
             raise InvalidProblemError(f"a budget of {searcher.budget} s came; expected a positive number")
         if len(self.swath.strength) != grid.n_cells:
             raise InvalidProblemError(
                 f"a swath over {len(self.swath.strength)} cells came; the grid has {grid.n_cells}"
             )
+        check_wind(self.pace.airspeed_mps, self.pace.wind)
         if self.end is None:
             return
         try:
