@@ -14,8 +14,8 @@ from sooner.io.mavlink import Patience
 
 ARDUPILOT, PX4, GENERIC = 3, 12, 0
 ALL_LISTS = common.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE | common.MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
-HASTE = Patience(heartbeat_s=3.0, neighbours_s=0.1, answer_s=0.1, silence_s=0.4, tries=5, busy_s=0.05)
-AGAIN_S = 0.05
+HASTE = Patience(10.0, neighbours_s=0.1, answer_s=0.3, silence_s=1.0, tries=6, busy_s=0.05, warnings_s=0.0)
+AGAIN_S = 0.1
 
 
 @dataclass(frozen=True)

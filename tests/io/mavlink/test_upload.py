@@ -137,7 +137,7 @@ def test_a_vehicle_that_sends_to_a_port_of_ours_is_answered():
     ids=str,
 )
 def test_what_vehicles_and_links_do_is_borne(script):
-    patient = dataclasses.replace(HASTE, tries=12)
+    patient = dataclasses.replace(HASTE, tries=20, answer_s=0.1, silence_s=0.5)
     with flying(**script) as vehicle:
         uploaded = sent_to(vehicle, patience=patient)
     assert uploaded.same
@@ -214,7 +214,8 @@ def test_one_of_several_vehicles_must_be_named():
 
 def test_what_the_vehicle_warns_of_is_passed_on_without_harm():
     with flying(says=b"PreArm: \x1b[31mcompass") as vehicle:
-        assert r"the vehicle says: PreArm: \x1b[31mcompass" in sent_to(vehicle, BARE).notes
+        patience = dataclasses.replace(HASTE, warnings_s=1.0)
+        assert r"the vehicle says: PreArm: \x1b[31mcompass" in sent_to(vehicle, BARE, patience=patience).notes
 
 
 # ---------------------------------------------------------------- what must not happen
@@ -377,9 +378,9 @@ def test_a_mission_that_cannot_be_read_back_is_told_of():
     with flying() as vehicle:
         vehicle._on_mission_request_int = lambda message: None
         with pytest.raises(
-            VehicleError, match=r"did not say item 0 of 9, asked 5 times.*took it, and it is not checked"
+            VehicleError, match=r"did not say item 0 of 9, asked 2 times.*took it, and it is not checked"
         ):
-            sent_to(vehicle, BARE)
+            sent_to(vehicle, BARE, patience=dataclasses.replace(HASTE, tries=2))
 
 
 # ---------------------------------------------------------------- without pymavlink

@@ -20,6 +20,7 @@ class Patience:
     tries : int             of a question, and of a transfer that broke off
     busy_s : float          between tries where the vehicle has no space yet, as ArduPilot just after it was switched on
     busy_tries : int
+    warnings_s : float      at the end, for what the autopilot has to say of its new mission
     """
 
     heartbeat_s: float = 20.0
@@ -29,3 +30,4 @@ class Patience:
     tries: int = 5
     busy_s: float = 2.0
     busy_tries: int = 10
+    warnings_s: float = 0.5

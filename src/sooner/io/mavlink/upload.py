@@ -146,6 +146,7 @@ class _Upload:
                     self._put(part, items)
                 elif held := self._counted(part):
                     self._clear(part, held)
+        self.talk.wait(self.lists.patience.warnings_s)
         if self.talk.vehicle.armed:
             self.notes.append("the vehicle is armed")
         self.notes += self._fenced()
