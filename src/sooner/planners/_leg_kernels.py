@@ -1,7 +1,8 @@
 """Compiled annealing of routes of straight legs: plain arrays in, plain arrays out.
 
 routes : points (R, M, 2) float64, metres kept to the centimetre, home first; counts (R,) int64; seconds (R,) float64
-ground : (cell_m, height, width); sight : (radius, law, strength (N,)); pace : `Pace.arrays()`; walls : `Airspace.walls`
+ground : (cell_m, height, width, east, north), the last two of the south-west cell's centre
+sight : (radius, law, strength (N,)); pace : `Pace.arrays()`; walls : `Airspace.walls`
 effort : (N,) float64, what all legs put on each cell; poc : (N,) float64
 change : (8,) int64, what is proposed: points between i and j of a route give way to m new ones, and likewise of another
 route (or -1): route, i, j, m, other, i, j, m; new, new_other : (M, 2) float64, those points
@@ -28,9 +29,11 @@ LONGEST = 30  # points of a stretch that is reversed
 @njit(cache=True, nogil=True)
 def put(x0, y0, x1, y1, sign, effort, poc, ground, sight, cells, worth, at):
     """Add (sign 1) or take away (-1) the effort of a leg; answers how the value changes."""
-    cell_m, height, width = ground
+    cell_m, height, width, east, north = ground
     radius, law, strength = sight
-    found = leg_effort(x0, y0, x1, y1, cell_m, height, width, radius, law, strength, cells, worth, at)
+    found = leg_effort(
+        x0 - east, y0 - north, x1 - east, y1 - north, cell_m, height, width, radius, law, strength, cells, worth, at
+    )
     change = 0.0
     for k in range(found):
         cell = cells[k]
@@ -146,15 +149,15 @@ def stretch(words, count, end, longest):
 @njit(cache=True, nogil=True)
 def rich_place(effort, poc, pays, ground, words):
     """A place near to the richest of a few cells drawn at random."""
-    cell_m, height, width = ground
+    cell_m, height, width, east, north = ground
     best, worth = pays[below(words, len(pays))], -1.0
     for _ in range(4):
         cell = pays[below(words, len(pays))]
         left = poc[cell] * math.exp(-effort[cell])
         if left > worth:
             best, worth = cell, left
-    x = (best % width + uniform(words) - 0.5) * cell_m
-    y = (height - 1 - best // width + uniform(words) - 0.5) * cell_m
+    x = east + (best % width + uniform(words) - 0.5) * cell_m
+    y = north + (height - 1 - best // width + uniform(words) - 0.5) * cell_m
     return kept(x), kept(y)
 
 

@@ -1,4 +1,4 @@
-"""One name for two planners: over cells one, over regions the other."""
+"""One name for several planners: one over cells, one over regions, one along legs."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 from numpy.random import Generator
 
+from sooner.errors import UnsupportedProblemError
 from sooner.planners.planner import Planner
 from sooner.problem import Incumbent, SearchProblem
+from sooner.problem.leg_moves import LegMoves
 from sooner.problem.regions import RegionMoves
 
 __all__ = ["ByMoves", "moves_of"]
@@ -20,25 +22,33 @@ class ByMoves:
 
     Parameters
     ----------
-    cells, regions : Planner
+    cells : Planner
+    regions, legs : Planner or None     None: it does not plan these
     """
 
     cells: Planner
-    regions: Planner
+    regions: Planner | None = None
+    legs: Planner | None = None
 
-    def chosen(self, problem: SearchProblem) -> Planner:
+    def chosen(self, problem: SearchProblem) -> Planner | None:
         """The planner for this problem."""
-        return self.regions if moves_of(problem) == "regions" else self.cells
+        planner: Planner | None = getattr(self, moves_of(problem))
+        return planner
 
     def handles(self, problem: SearchProblem) -> str | None:
         """What the chosen planner handles."""
-        return self.chosen(problem).handles(problem)
+        planner = self.chosen(problem)
+        return f"it does not plan moves over {moves_of(problem)}" if planner is None else planner.handles(problem)
 
     def plans(self, problem: SearchProblem, rng: Generator) -> Iterator[Incumbent]:
         """The plans of the chosen planner."""
-        return self.chosen(problem).plans(problem, rng)
+        planner = self.chosen(problem)
+        if planner is None:
+            raise UnsupportedProblemError(str(self.handles(problem)))
+        return planner.plans(problem, rng)
 
 
 def moves_of(problem: SearchProblem) -> str:
-    """`regions` where a searcher moves over regions, else `cells`."""
-    return "regions" if any(isinstance(each.moves, RegionMoves) for each in problem.searchers) else "cells"
+    """`regions` or `legs` where a searcher moves so, else `cells`."""
+    kinds = {type(each.moves) for each in problem.searchers}
+    return "regions" if RegionMoves in kinds else "legs" if LegMoves in kinds else "cells"

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.random import Generator
@@ -37,6 +38,7 @@ class LegAnneal:
     reach : (float, float)      metres by which points are shifted, in sensor radii, at first and at last
     mix : (8,) floats           shares of the changes: shift a point, shift a lane, insert, remove, insert and remove,
                                 reverse, move a stretch, exchange tails
+    coarse : float              share of a round that is annealed over coarser cells
     moves : int                 changes of each thread between two yields
     patience : int              ticks after which a run starts again from the best
     threads : int               sets of routes annealed at the same time
@@ -47,6 +49,7 @@ class LegAnneal:
     price: float = 0.2
     reach: tuple[float, float] = (1.5, 0.3)
     mix: tuple[float, ...] = (0.3, 0.2, 0.15, 0.05, 0.1, 0.05, 0.1, 0.05)
+    coarse: float = 0.6
     moves: int = 4_000
     patience: int = 400
     threads: int = 2
@@ -64,7 +67,7 @@ class LegAnneal:
             return
         starts = []
         for routes in first_routes(ground, rng):
-            starts.append(Routes(ground, routes))
+            starts.append(Routes(ground, routes, ground.coarse))
             best.offer(starts[-1])
             share = yield best.incumbent
         rounds = Rounds(self.patience)
@@ -74,12 +77,13 @@ class LegAnneal:
                 starts.sort(key=lambda each: each.best_value, reverse=True)
                 chains = [_Chain(self, ground, each.best, rng) for each in starts[: self.threads]]
                 while (now := rounds.now(share)) < 1.0:
-                    list(pool.map(lambda chain, now=now: chain.run(now), chains))
+                    list(pool.map(partial(_Chain.run, now=now), chains))
                     for chain in chains:
                         best.offer(chain.routes)
                     share = yield best.incumbent
                     rounds.tick += 1
-                starts = [chain.routes for chain in chains] + [Routes(ground, best.routes)]
+                kept = (best.routes, *(chain.routes.best for chain in chains))
+                starts = [Routes(ground, each, ground.coarse) for each in kept]
 
 
 class _Best:
@@ -89,13 +93,12 @@ class _Best:
         self.ground, self.routes = ground, routes
         plan = ground.plan(routes)
         self.incumbent = Incumbent(plan, evaluate(ground.problem, plan).value)
-        self.told = -np.inf
 
     def offer(self, routes: Routes) -> None:
-        """Ask the judge where routes seem better than any before."""
-        if routes.best_value <= max(self.told, self.incumbent.value * (1 + 1e-9)):
+        """Ask the judge where routes seem better than those of the same set before."""
+        if routes.best_value <= routes.told * (1 + 1e-9):
             return
-        self.told = routes.best_value
+        routes.told = routes.best_value
         plan: Plan = self.ground.plan(routes.best)
         value = evaluate(self.ground.problem, plan).value
         if value > self.incumbent.value:
@@ -108,8 +111,7 @@ class _Chain:
     def __init__(self, settings: LegAnneal, ground: LegGround, routes: list[Route], rng: Generator) -> None:
         self.settings, self.ground = settings, ground
         self.words = rng.integers(1, 2**32, 2)
-        self.routes = Routes(ground, routes)
-        self.pays = np.flatnonzero(ground.within_reach)
+        self.routes = Routes(ground, routes, ground.coarse)
         points = max(int(self.routes.counts.sum()), 1)
         value = max(self.routes.value, float(ground.poc.max()))
         self.unit = value / points
@@ -118,7 +120,10 @@ class _Chain:
 
     def run(self, now: float) -> None:
         """One tick, so far into the round."""
-        settings, routes, ground = self.settings, self.routes, self.ground
+        settings, ground = self.settings, self.ground
+        if now >= settings.coarse and self.routes.level is not ground.fine:
+            self.routes = Routes(ground, self.routes.best, ground.fine)
+        routes, level = self.routes, self.routes.level
         hot, cold = settings.hot * self.unit, settings.cold * self.unit
         first, last = settings.reach
         reach = ground.moves[0].swath.radius_m * first * (last / first) ** now
@@ -126,6 +131,7 @@ class _Chain:
         routes.value, routes.best_value = kernels.anneal(
             routes.points, routes.counts, routes.seconds, routes.effort, routes.value,
             routes.best_points, routes.best_counts, routes.best_value,
-            ground.budgets, ground.ends, self.pays, settings.moves, hot * (cold / hot) ** now,
-            self.price * (1.0 - now), reach, self.weights, self.words, *ground.arrays,
+            ground.budgets, ground.ends, level.pays, settings.moves, hot * (cold / hot) ** now,
+            self.price * (1.0 - now), reach, self.weights, self.words,
+            level.poc, level.ground, level.sight, ground.pace, ground.walls,
         )  # fmt: skip

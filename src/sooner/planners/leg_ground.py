@@ -19,6 +19,7 @@ __all__ = ["LegGround", "Routes", "leg_searchers"]
 Route = NDArray[np.float64]
 MOST_POINTS = 4000  # of one route
 ROOM = 64  # points that a route may grow by, at least
+COARSE = 1.6  # cells for each radius of the coarse level, at least
 
 
 def leg_searchers(problem: SearchProblem) -> str | None:
@@ -42,6 +43,24 @@ def leg_searchers(problem: SearchProblem) -> str | None:
 
 
 @dataclass(frozen=True, eq=False)
+class Level:
+    """The ground in cells of one size, as the kernels take it.
+
+    Parameters
+    ----------
+    poc : (N,) float
+    ground : tuple              metres of a cell, rows, columns, place of the south-west cell's centre
+    sight : tuple               radius, law, strength (N,)
+    pays : (n,) int             cells worth flying to
+    """
+
+    poc: NDArray[np.float64]
+    ground: tuple[float, int, int, float, float]
+    sight: tuple[float, int, NDArray[np.float64]]
+    pays: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
 class LegGround:
     """What all routes of a problem share.
 
@@ -53,6 +72,36 @@ class LegGround:
     problem: SearchProblem
 
     @cached_property
+    def fine(self) -> Level:
+        """The ground as the judge sees it."""
+        grid, swath = self.problem.grid, self.moves[0].swath
+        ground = (float(grid.cell_m), *grid.shape, 0.0, 0.0)
+        return Level(
+            self.poc, ground, (float(swath.radius_m), swath.code, swath.strength), np.flatnonzero(self.within_reach)
+        )
+
+    @cached_property
+    def coarse(self) -> Level:
+        """The same in larger cells, over which routes change faster; the fine one where they would be no larger."""
+        grid, swath = self.problem.grid, self.moves[0].swath
+        reach = swath.radius_m - (grid.cell_m / 2 if swath.law == "edged" else 0.0)
+        times = int(reach / COARSE / grid.cell_m)
+        if times < 2 or swath.law == "seen":
+            return self.fine
+        height, width = (-(-side // times) for side in grid.shape)
+        rows, cols = np.divmod(np.arange(grid.n_cells), grid.shape[1])
+        of = (height - 1 - (grid.shape[0] - 1 - rows) // times) * width + cols // times
+        parts = np.bincount(of, minlength=height * width)
+        poc = np.bincount(of, self.poc, minlength=height * width)
+        pays = np.bincount(of, self.within_reach, minlength=height * width)
+        strength = np.bincount(of, swath.strength, minlength=height * width) / np.maximum(parts, 1)
+        cell_m, radius = times * float(grid.cell_m), float(swath.radius_m)
+        if swath.law == "edged":
+            strength, radius = np.where(strength > 0, cell_m, 0.0), reach + cell_m / 2
+        off = (times - 1) / 2 * float(grid.cell_m)
+        return Level(poc, (cell_m, height, width, off, off), (radius, swath.code, strength), np.flatnonzero(pays))
+
+    @cached_property
     def moves(self) -> tuple[LegMoves, ...]:
         """How each searcher moves."""
         return tuple(each.moves for each in self.problem.searchers if isinstance(each.moves, LegMoves))
@@ -61,13 +110,6 @@ class LegGround:
     def poc(self) -> NDArray[np.float64]:
         """(N,) float: what all effort on a cell would pay."""
         return np.ascontiguousarray(self.problem.gains.first / -np.expm1(-1.0))
-
-    @cached_property
-    def arrays(self) -> tuple[Any, ...]:
-        """POC, ground, sight, pace and walls, as the kernels take them."""
-        grid, swath = self.problem.grid, self.moves[0].swath
-        ground = (float(grid.cell_m), *grid.shape)
-        return self.poc, ground, (float(swath.radius_m), swath.code, swath.strength), self.pace, self.walls
 
     @property
     def pace(self) -> tuple[Any, ...]:
@@ -164,10 +206,12 @@ class Routes:
     ----------
     ground : LegGround
     routes : of (n, 2)          legal ones
+    level : Level
     """
 
     ground: LegGround
     routes: list[Route]
+    level: Level
 
     def __post_init__(self) -> None:
         longest = max(len(route) for route in self.routes)
@@ -176,23 +220,22 @@ class Routes:
         self.points, self.counts = np.zeros(shape), np.array([len(route) for route in self.routes], np.int64)
         for kept, route in zip(self.points, self.routes, strict=True):
             kept[: len(route)] = route
-        size = self.ground.problem.grid.n_cells
+        size = len(self.level.poc)
         self.seconds, self.effort = np.zeros(len(self.routes)), np.zeros(size)
         self._scratch = np.empty(size, np.int64), np.empty(size), np.empty(size)
         self.best_points, self.best_counts = self.points.copy(), self.counts.copy()
         self.value = self.best_value = self.load()
+        self.told = -np.inf  # the best value that the judge was asked about
 
     def load(self) -> float:
         """Work out everything anew, without what rounding has added up to."""
-        poc, ground, sight, pace, _ = self.ground.arrays
+        level = self.level
         return float(
-            kernels.load(self.points, self.counts, self.seconds, self.effort, poc, ground, sight, pace, *self._scratch)
+            kernels.load(
+                *(self.points, self.counts, self.seconds, self.effort, level.poc, level.ground, level.sight),
+                *(self.ground.pace, *self._scratch),
+            )
         )
-
-    def back_to_best(self) -> None:
-        """Go on from the best routes so far."""
-        self.points[:], self.counts[:] = self.best_points, self.best_counts
-        self.value = self.load()
 
     @property
     def best(self) -> list[Route]:

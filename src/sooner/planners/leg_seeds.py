@@ -44,7 +44,7 @@ def lane_routes(ground: LegGround, angle: float, spacing: float) -> list[Route]:
         else:
             high = share
     cut, _ = _shared(ground, lanes.over(high))
-    return max((best, cut), key=lambda routes: Routes(ground, routes).value)
+    return max((best, cut), key=lambda routes: Routes(ground, routes, ground.coarse).value)
 
 
 def _shared(ground: LegGround, inner: Route) -> tuple[list[Route], bool]:

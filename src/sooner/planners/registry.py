@@ -23,8 +23,9 @@ class Entry:
     when : str                one sentence for someone who has to choose
     cites : tuple of str      keys of the bibliography
     settings : dict           arguments of the class
-    moves : tuple of str      "cells", "regions" or both: what it plans
-    regions : str             "module:Class" that plans moves over regions, where `path` plans those over cells only
+    moves : tuple of str      of "cells", "regions" and "legs": what it plans
+    regions, legs : str       "module:Class" that plans moves over regions or along legs, where `path` plans those over
+                              cells only
     """
 
     path: str
@@ -33,19 +34,23 @@ class Entry:
     settings: dict[str, Any] = field(default_factory=dict)
     moves: tuple[str, ...] = ("cells",)
     regions: str = ""
+    legs: str = ""
 
     def make(self, **settings: Any) -> Planner:
-        """The planner, with its own settings and then yours; of two classes, each takes the settings that it has."""
-        chosen = {**self.settings, **settings}
-        if not self.regions:
-            planner: Planner = _loaded(self.path)(**chosen)
+        """The planner, with its own settings and then yours; of several classes each takes the settings that it has."""
+        chosen, first = {**self.settings, **settings}, _loaded(self.path)
+        others = {name: _loaded(path) for name, path in (("regions", self.regions), ("legs", self.legs)) if path}
+        if not others:
+            planner: Planner = first(**chosen)
             return planner
-        kinds = _loaded(self.path), _loaded(self.regions)
-        known = [{each.name for each in fields(kind)} for kind in kinds]
-        unknown = chosen.keys() - known[1]  # the first class is given them as well, and says what it does not know
-        over_cells = kinds[0](**{key: value for key, value in chosen.items() if key in known[0] | unknown})
-        over_regions = kinds[1](**{key: value for key, value in chosen.items() if key in known[1]})
-        return ByMoves(over_cells, over_regions)
+        known = {name: {each.name for each in fields(kind)} for name, kind in others.items()}
+        elsewhere = set().union(*known.values()) - {each.name for each in fields(first)}
+        over_cells = first(**{key: value for key, value in chosen.items() if key not in elsewhere})
+        made = {
+            name: kind(**{key: value for key, value in chosen.items() if key in known[name]})
+            for name, kind in others.items()
+        }
+        return ByMoves(over_cells, **made)
 
 
 def _loaded(path: str) -> Any:
@@ -58,10 +63,11 @@ DEFAULT = "anneal"
 PLANNERS: dict[str, Entry] = {
     "anneal": Entry(
         "sooner.planners.anneal:Anneal",
-        "The default, over cells and regions: best plans at any planning time from a second upwards.",
+        "The default, over cells and regions and along legs: best plans at any planning time from a second upwards.",
         ("Lin2014", "Kuhlman2017"),
-        moves=("cells", "regions"),
+        moves=("cells", "regions", "legs"),
         regions="sooner.planners.region_anneal:RegionAnneal",
+        legs="sooner.planners.leg_anneal:LegAnneal",
     ),
     "topn": Entry(
         "sooner.planners.topn:TopN",
@@ -145,7 +151,7 @@ def make_planner(name: str, **settings: Any) -> Planner:
     Examples
     --------
     >>> make_planner("greedy"), make_planner("depth-first")
-    (ByMoves(cells=Greedy(), regions=RegionGreedy()), DepthFirst())
+    (ByMoves(cells=Greedy(), regions=RegionGreedy(), legs=None), DepthFirst())
     """
     if name not in PLANNERS:
         raise UnsupportedProblemError(f"planner {name!r} came; expected one of {', '.join(PLANNERS)}")

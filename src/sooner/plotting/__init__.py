@@ -1,5 +1,6 @@
 """Pictures of beliefs, plans, curves and studies; nothing imports this room at start-up."""
 
+from sooner.plotting.leg_picture import draw_leg_plan
 from sooner.plotting.measure import BITS, PROBABILITY, TARGETS, Measure
 from sooner.plotting.plan_picture import Caption, draw_plan
 from sooner.plotting.region_picture import Ground, draw_region_plan
@@ -13,6 +14,7 @@ __all__ = [
     "Ground",
     "Measure",
     "Sample",
+    "draw_leg_plan",
     "draw_plan",
     "draw_region_plan",
     "plot_summary",

@@ -70,6 +70,14 @@ def looks_layer(looks: NDArray[np.int64]) -> Layer:
     return Layer(values, _part_of(LOOKS, 0.25, 1.0), Normalize(min(1, most - 1), most), ("1", str(most)))
 
 
+def effort_layer(effort: NDArray[np.float64]) -> Layer:
+    """POD of so much effort on each cell, percent; nothing where there was none."""
+    from matplotlib.colors import Normalize
+
+    values = np.where(effort > 0, -100.0 * np.expm1(-effort), np.nan)
+    return Layer(values, _part_of(LOOKS, 0.25, 1.0), Normalize(0, 100), ("0", "100"))
+
+
 def glimpse_layer(glimpse: NDArray[np.float64]) -> Layer:
     """How well one look detects."""
     from matplotlib.colors import Normalize

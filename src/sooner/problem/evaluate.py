@@ -65,9 +65,11 @@ class Evaluation:
     def early_share(self) -> float:
         """Area under the curve of gains, as a share of all of it being collected at once; nan where there is none.
 
-        integral from 0 to T of value(t) / value(T) dt / T = 1 - (mean time of the gains) / T, T the longest budget.
+        integral from 0 to T of value(t) / value(T) dt / T = 1 - (mean time of the gains) / T
+
+        T is when the last budget ends.
         """
-        return 1.0 - self.mean_time_if_found / max(searcher.budget for searcher in self.problem.searchers)
+        return 1.0 - self.mean_time_if_found / max(searcher.until for searcher in self.problem.searchers)
 
     @property
     def expected_time(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, ClassVar, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,11 @@ class Looks:
 
 
 class Moves(Protocol):
-    """What a model of moves must answer; cells here, regions and waypoints beside it."""
+    """What a model of moves must answer; cells here, regions and legs beside it."""
+
+    @property
+    def departs_s(self) -> float:
+        """When its budget begins, in the problem's unit of time; not 0 for a battery after the first."""
 
     def check(self, grid: Grid, searcher: Searcher) -> None:
         """Raise InvalidProblemError where no plan can be posed, InfeasibleProblemError where none is legal."""
@@ -64,6 +68,7 @@ class CellMoves:
 
     kind: Literal["copter", "fixed_wing"] = "copter"
     step_s: float = 1.0
+    departs_s: ClassVar[float] = 0.0
 
     def __post_init__(self) -> None:
         if self.kind not in ("copter", "fixed_wing"):

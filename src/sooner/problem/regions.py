@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +97,7 @@ class RegionMoves:
     last: int = -1
     depart: int = -1
     back: int = -1
+    departs_s: ClassVar[float] = 0.0
 
     def check(self, grid: Grid, searcher: Searcher) -> None:
         """Enough seconds to get from the start to the end."""

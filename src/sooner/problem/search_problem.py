@@ -72,6 +72,11 @@ class Searcher:
         """The budget of a searcher that moves over cells."""
         return int(self.budget)
 
+    @property
+    def until(self) -> float:
+        """When its budget ends; one that departs later than the first ends later."""
+        return float(self.budget) + self.moves.departs_s
+
 
 @dataclass(frozen=True, eq=False)
 class Drift:

@@ -1,7 +1,8 @@
 """Compiled effort of straight legs on square cells: plain arrays in, plain arrays out.
 
 Lengths are in metres; places are metres east and north of the south-west cell's centre, row 0 lies north.
-laws : SEEN (whoever is in view is seen), EVEN (a rate for each metre in view), CUBE (falling with distance cubed)
+laws : SEEN (whoever is in view is seen), EVEN (a rate for each metre in view), CUBE (falling with distance cubed),
+EDGED (seen, but for an edge across which ever less of the ground is)
 """
 
 import math
@@ -9,7 +10,7 @@ import math
 import numpy as np
 from numba import njit
 
-SEEN, EVEN, CUBE = 0, 1, 2
+SEEN, EVEN, CUBE, EDGED = 0, 1, 2, 3
 SURE = 40.0  # effort of a look that detects for certain: exp(-40) is nothing
 TOUCH_M = 1e-6  # farther than the radius by no more than this is still in view
 NEAREST = 1e-3  # share of the radius nearer than which the inverse cube does not grow any more
@@ -19,7 +20,8 @@ NEAREST = 1e-3  # share of the radius nearer than which the inverse cube does no
 def effort_on(east, north, x0, y0, x1, y1, radius, law, strength):
     """Effort of one leg on one place, and the metres along it at which it is nearest; (0, 0) where it is not in view.
 
-    strength : EVEN: effort a metre in view; CUBE: sweep width W, for W^2 / 8 pi r^3 of effort a metre; 0 sees nothing
+    strength : EVEN: effort a metre in view; CUBE: sweep width W, for W^2 / 8 pi r^3 of effort a metre; EDGED: width of
+    the edge; 0 sees nothing
     """
     dx, dy = x1 - x0, y1 - y0
     length = math.sqrt(dx * dx + dy * dy)
@@ -27,6 +29,9 @@ def effort_on(east, north, x0, y0, x1, y1, radius, law, strength):
         return 0.0, 0.0
     if length < 1e-12:
         off = math.hypot(east - x0, north - y0)
+        if law == EDGED:
+            share = (radius - off) / strength
+            return (-math.log1p(-share) if 0.0 < share < 1.0 else SURE if share >= 1.0 else 0.0), 0.0
         return (SURE if law == SEEN and off <= radius + TOUCH_M else 0.0), 0.0
     along = ((east - x0) * dx + (north - y0) * dy) / length
     aside2 = ((east - x0) * dy - (north - y0) * dx) ** 2 / (length * length)
@@ -34,6 +39,9 @@ def effort_on(east, north, x0, y0, x1, y1, radius, law, strength):
     if law == SEEN:
         seen = aside2 + (along - nearest) ** 2 <= (radius + TOUCH_M) ** 2
         return (SURE if seen else 0.0), nearest
+    if law == EDGED:
+        share = (radius - math.sqrt(aside2 + (along - nearest) ** 2)) / strength
+        return (-math.log1p(-share) if 0.0 < share < 1.0 else SURE if share >= 1.0 else 0.0), nearest
     half2 = radius * radius - aside2
     if half2 <= 0.0:
         return 0.0, 0.0

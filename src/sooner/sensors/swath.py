@@ -15,7 +15,8 @@ from sooner.grid import Grid
 
 __all__ = ["CUBE_REACH", "Law", "Swath", "pod"]
 
-Law = Literal["seen", "even", "cube"]
+Law = Literal["seen", "even", "cube", "edged"]
+_LAWS = ("seen", "even", "cube", "edged")
 CUBE_REACH = 3.0  # sweep widths as far as which the inverse cube is followed: 8 % of its width lie beyond
 
 
@@ -24,6 +25,7 @@ class Swath:
     """What one look along a leg is worth: effort e on each cell near to it, and POD = 1 - exp(-e) of all effort.
 
     "seen"   whoever comes within the radius is seen: effort without end
+    "edged"  the same, but across an edge of the radius a leg sees ever less of the ground: a share f, e = -ln(1 - f)
     "even"   e = rate * (metres for which the cell is in view)                 [Koopman1956, random search]
              rate = W / (pi R^2) gives a coverage of C = W L / A over any ground, and POD = 1 - exp(-C)
     "cube"   de/ds = W^2 / (8 pi r^3) at a distance r                          [Koopman1956, inverse-cube law]
@@ -35,9 +37,9 @@ class Swath:
     Parameters
     ----------
     radius_m : float            farthest that anything is seen, R
-    law : str                   "seen", "even" or "cube"
+    law : str                   "seen", "edged", "even" or "cube"
     strength : (N,) float       of each cell: "even": effort a metre in view; "cube": sweep width W; 0: nothing is seen
-                                there; "seen": whether anything is
+                                there; "seen": whether anything is; "edged": width of the edge
 
     Raises
     ------
@@ -57,8 +59,8 @@ class Swath:
     strength: NDArray[np.float64]
 
     def __post_init__(self) -> None:
-        if self.law not in ("seen", "even", "cube"):
-            raise InvalidProblemError(f"law {self.law!r} came; expected 'seen', 'even' or 'cube'")
+        if self.law not in _LAWS:
+            raise InvalidProblemError(f"law {self.law!r} came; expected one of {', '.join(_LAWS)}")
         if not (np.isfinite(self.radius_m) and self.radius_m > 0):
             raise InvalidProblemError(f"a radius of {self.radius_m} m came; expected a positive number")
         strength = np.ascontiguousarray(self.strength, np.float64)
@@ -68,8 +70,19 @@ class Swath:
 
     @classmethod
     def seen(cls, grid: Grid, radius_m: float) -> Swath:
-        """A perfect sensor: whoever comes within the radius is seen."""
+        """A perfect sensor over cells that are seen where their centres come within the radius."""
         return cls(radius_m, "seen", np.ones(grid.n_cells))
+
+    @classmethod
+    def edged(cls, grid: Grid, radius_m: float) -> Swath:
+        """A perfect sensor over ground: of a cell at the border of what is in view a leg sees a part, f.
+
+        f = (R + h / 2 - d) / h within [0, 1],   d to the cell's centre, h the side of a cell
+
+        So a lane is as wide as it is, wherever it lies between the centres of cells. Parts of one cell that different
+        legs see count as if they lay at random: 1 - (1 - f_1)(1 - f_2); where lanes just meet, they see more.
+        """
+        return cls(radius_m + grid.cell_m / 2, "edged", np.full(grid.n_cells, grid.cell_m))
 
     @classmethod
     def of_width(cls, grid: Grid, width_m: ArrayLike, radius_m: float | None = None, law: Law = "even") -> Swath:
@@ -89,17 +102,17 @@ class Swath:
     def of_glimpse(cls, grid: Grid, glimpse: ArrayLike, radius_m: float) -> Swath:
         """By the probability g that one pass over a place, as long as passes are on average, detects who is there.
 
-        rate = -ln(1 - g) / (pi R / 2);   where g = 1 everywhere, "seen"; where it is 1 in places, 0.999 stands there
+        rate = -ln(1 - g) / (pi R / 2);   where g = 1 everywhere, "edged"; where it is 1 in places, 0.999 stands there
         """
         detect = np.broadcast_to(np.asarray(glimpse, np.float64), grid.shape).ravel()
         if (detect == 1.0).all():
-            return cls.seen(grid, radius_m)
+            return cls.edged(grid, radius_m)
         return cls(radius_m, "even", -np.log1p(-np.minimum(detect, 0.999)) / (pi * radius_m / 2))
 
     @property
     def code(self) -> int:
         """The law's number in compiled code."""
-        return ("seen", "even", "cube").index(self.law)
+        return _LAWS.index(self.law)
 
     @cached_property
     def width_m(self) -> float:
@@ -113,6 +126,8 @@ class Swath:
         strength, radius = float(self.strength.max()), self.radius_m
         if self.law == "seen":
             return 2 * radius * float(strength > 0)
+        if self.law == "edged":
+            return 2 * radius - strength
         x = (np.arange(20_000) + 0.5) / 20_000 * radius
         half = np.sqrt(radius**2 - x**2)
         effort = strength * 2 * half
