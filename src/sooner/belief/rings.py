@@ -52,7 +52,7 @@ def ring_poc(grid: Grid, centre_m: ArrayLike, rings_m: Sequence[float], quantile
         raise InvalidProblemError("hexagons came; expected square cells for rings")
     centre = np.asarray(centre_m, np.float64)
     if centre.shape != (2,) or not np.isfinite(centre).all():
-        raise InvalidProblemError(f"a centre of {centre_m} came; expected metres east and north")
+        raise InvalidProblemError(f"a centre of {centre.tolist()} came; expected metres east and north")
     poc, within, last, reached = np.zeros(grid.shape), np.zeros(grid.shape), 0.0, 0.0
     for radius, share in zip(radii, shares, strict=True):
         areas = disc_areas(grid.shape, grid.cell_m, centre, radius)

@@ -26,7 +26,7 @@ def keys_table(model: type[BaseModel], words: Mapping[Any, str], but: tuple[str,
 
     Parameters
     ----------
-    words : mapping       what to call types that are no text, number, or yes or no; `list` for any list
+    words : mapping       what to call types that are no text, number, or yes or no; `list` for one of whole numbers
     but : tuple of str    keys to pass over
     """
     lines = ["| key | value | left out | meaning |", "|---|---|---|---|"]
@@ -56,7 +56,9 @@ def _kind(annotation: Any, words: Mapping[Any, str]) -> str:
     if origin is types.UnionType or str(origin) == "typing.Union":
         parts = [_kind(part, words) for part in get_args(annotation) if part is not type(None)]
         return " or ".join(dict.fromkeys(parts))
-    if origin is list and list not in words:
-        (part,) = get_args(annotation)
-        return f"list of {_kind(part, words).replace('whole number or number', 'number')}s".replace("texts", "text")
+    if origin is list:
+        part = _kind(get_args(annotation)[0], words)
+        if list in words and part == words[int]:
+            return words[list]
+        return f"list of {part.replace('whole number or number', 'number')}s".replace("texts", "text")
     return words[origin or annotation]

@@ -17,7 +17,7 @@ from sooner.io.georeference import Georeference, ground_m
 from sooner.io.rasters import MAX_CELLS
 from sooner.io.reading import opened
 
-__all__ = ["Warped", "extent", "mass_on", "mean_on", "sampled_on"]
+__all__ = ["Warped", "extent", "largest", "mass_on", "mean_on", "sampled_on", "square_and_upright"]
 
 Floats = NDArray[np.float64]
 
@@ -102,6 +102,26 @@ def _checked(path: Path, file: Any) -> _Source:
     if not (file.crs.is_projected or file.crs.is_geographic):
         raise refuse(f"a projection that is none came ({file.crs.to_string()})"[:200])
     return _Source(path, file, file.crs.to_wkt(), at)
+
+
+def square_and_upright(path: Path) -> bool:
+    """Whether a raster's cells can be a grid as they are: a projection in metres or feet, square cells, north up."""
+    import rasterio
+    from rasterio.errors import NotGeoreferencedWarning, RasterioError
+
+    with opened(path):
+        pass
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NotGeoreferencedWarning)
+            with rasterio.open(path, driver="GTiff") as file:
+                at, crs = file.transform, file.crs
+    except RasterioError:
+        return True  # told where it is read
+    if crs is None or at.is_identity:
+        return True
+    oblong = abs(at.a - abs(at.e)) > 1e-3 * abs(at.a)
+    return bool(crs.is_projected and not at.b and not at.d and at.a > 0 and not oblong)
 
 
 def extent(path: Path) -> tuple[tuple[float, float, float, float], float, str]:
@@ -240,10 +260,19 @@ def mass_on(path: Path, ground: Georeference, shape: tuple[int, int]) -> Warped:
     return Warped(totals, max(0.0, 1.0 - float(totals.sum()) / total))
 
 
-def mean_on(path: Path, ground: Georeference, shape: tuple[int, int]) -> Warped:
-    """A raster of something even within a cell (difficulty, glimpse) on a grid: its mean over each cell's ground."""
+def mean_on(path: Path, ground: Georeference, shape: tuple[int, int], whether: bool = False) -> Warped:
+    """A raster of something even within a cell (difficulty, glimpse) on a grid: its mean over each cell's ground.
+
+    Parameters
+    ----------
+    whether : bool          of whether the raster is not zero: the share of each cell where it is not
+
+    Returns
+    -------
+    Warped                  NaN where the raster says nothing
+    """
     with _over(path, ground, shape) as (source, rows, cols):
-        weighted, areas = _spread(source, ground, shape, rows, cols, by_area=True)
+        weighted, areas = _spread(source, ground, shape, rows, cols, by_area=True, whether=whether)
     with np.errstate(invalid="ignore", divide="ignore"):
         return Warped(np.where(areas > 1e-9, weighted / areas, np.nan))
 
@@ -255,11 +284,14 @@ def _spread(
     rows: slice,
     cols: slice,
     by_area: bool = False,
+    whether: bool = False,
 ) -> tuple[Floats, Floats]:
     from sooner.io._warp_kernels import spread
 
     values = source.read(rows, cols)
     x, y = _corners(source, ground, rows, cols)
+    if whether:
+        values = np.where(np.isnan(values), np.nan, values != 0)
     if by_area:
         values = values * _areas(x, y)
     totals, areas = np.zeros(shape), np.zeros(shape)
@@ -274,12 +306,24 @@ def _areas(x: Floats, y: Floats) -> Floats:
     return np.asarray(np.abs(one - other) / 2.0)
 
 
-def _total(source: _Source) -> float:
-    """All mass of a raster, read in strips."""
+def _strips(source: _Source) -> Iterator[Floats]:
+    """A raster from north to south, some rows at a time."""
     height, width = source.shape
-    total, at_once = 0.0, max(1, 4_000_000 // width)
+    at_once = max(1, 4_000_000 // width)
     for first in range(0, height, at_once):
-        values = source.read(slice(first, min(first + at_once, height)), slice(0, width))
+        yield source.read(slice(first, min(first + at_once, height)), slice(0, width))
+
+
+def largest(path: Path) -> float:
+    """The largest number of a raster, wherever it lies; 0 where it holds none."""
+    with _source(path) as source:
+        return float(max((np.nanmax(values) for values in _strips(source) if np.isfinite(values).any()), default=0.0))
+
+
+def _total(source: _Source) -> float:
+    """All mass of a raster."""
+    total = 0.0
+    for values in _strips(source):
         if np.isinf(values).any() or (values < 0).any():
             came, expected = "a weight that is negative or infinite came", "expected finite numbers of at least 0"
             raise DataFormatError(Fault(str(source.path), "", came, expected))

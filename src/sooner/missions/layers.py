@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,11 @@ from numpy.typing import NDArray
 
 from sooner.errors import DataFormatError
 from sooner.io import Raster, read_raster
+from sooner.missions.area_layers import lies_on_globe
+from sooner.missions.drawings import is_drawn
 from sooner.missions.faults import Faults
+from sooner.missions.layers_on_ground import drawn_beside, layers_on_ground
+from sooner.missions.real_area import RealArea
 from sooner.missions.settings import Settings
 
 __all__ = ["Layers", "read_glimpse"]
@@ -30,6 +34,10 @@ class Layers:
     obstacles : (H, W) bool
     cell_m : float                  metres between cell centres
     first : Raster                  the raster on whose cells all others lie, with its place on the globe
+    outside : float                 probability that the person is not on this map, or beyond its polygon
+    sweep_width : float or (H, W)   `sensor.sweep_width_m`
+    area : RealArea                 the area on the ground, where it is drawn
+    notes : tuple of str            what the user should know of how they were laid out
     """
 
     shape: tuple[int, int] | None = None
@@ -40,10 +48,16 @@ class Layers:
     obstacles: NDArray[np.bool_] | None = None
     cell_m: float | None = None
     first: Raster | None = None
+    outside: float = 0.0
+    sweep_width: float | Floats | None = None
+    area: RealArea | None = None
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def read(cls, faults: Faults, settings: Settings) -> Layers:
         """Read them all; what is wrong is added to the faults."""
+        if lies_on_globe(faults, settings):
+            return cls(**layers_on_ground(faults, settings))
         area, sensor = settings.area, settings.sensor
         key, name = ("area.evidence", area.evidence) if area.poc is None else ("area.poc", area.poc)
         first = _raster(faults, key, name)
@@ -51,8 +65,11 @@ class Layers:
         difficulty = _raster(faults, "sensor.difficulty", sensor.difficulty, like)
         named = sensor.glimpse if isinstance(sensor.glimpse, str) else None
         glimpse = _raster(faults, "sensor.glimpse", named, like)
-        obstacles = _raster(faults, "area.obstacles", area.obstacles, like)
-        return cls(
+        stones = area.obstacles if isinstance(area.obstacles, str) and not is_drawn(area.obstacles) else None
+        obstacles = _raster(faults, "area.obstacles", stones, like)
+        widths = sensor.sweep_width_m if isinstance(sensor.sweep_width_m, str) else None
+        width = _raster(faults, "sensor.sweep_width_m", widths, like)
+        read = cls(
             None if first is None else (first.values.shape[0], first.values.shape[1]),
             _weights(faults, first) if area.poc is not None else None,
             _numbers(faults, key, first, 0.0, 1.0, missing=0.0) if area.poc is None else None,
@@ -61,7 +78,12 @@ class Layers:
             _obstacles(faults, obstacles, first),
             _cell_m(faults, settings, first),
             first,
+            area.outside,
+            _numbers(faults, "sensor.sweep_width_m", width, 0.0, np.inf, missing=None)
+            if widths is not None
+            else sensor.sweep_width_m,  # type: ignore[arg-type]  # a number, as it is no name
         )
+        return replace(read, **drawn_beside(faults, settings, first, read.obstacles))
 
 
 def read_glimpse(faults: Faults, name: str, shape: tuple[int, int], map_name: str) -> Floats | None:

@@ -103,7 +103,7 @@ def read_mission(path: Path | str) -> Mission:
     sight = Sight.read(faults, settings, layers)
     over = OverRegions if settings.over_regions else OverCells
     search = over(faults, settings, layers, places(faults, settings, layers))
-    _check_target(faults, settings)
+    _check_target(faults, settings, layers)
     _check_links(faults, settings, layers)
     faults.refuse()
     assert sight is not None
@@ -111,7 +111,7 @@ def read_mission(path: Path | str) -> Mission:
         problem = search.problem(sight)
     except InvalidProblemError as error:  # all that can be foreseen has been reported by key
         raise DataFormatError(Fault(str(path), "", str(error), "expected a search that can be posed")) from None
-    notes = (*_notes(settings, sight, problem), *search.notes)
+    notes = (*layers.notes, *_notes(settings, sight, problem), *search.notes)
     located = layers.first is not None and layers.first.corner is not None
     ground = Georeference.of(layers.first) if located and layers.first is not None else None
     return Mission(path, settings, problem, sight, layers.cell_m, search.step_s, notes, ground)
@@ -119,8 +119,9 @@ def read_mission(path: Path | str) -> Mission:
 
 def _check_required(faults: Faults, settings: Settings) -> None:
     area, budget = settings.area, settings.budget
-    if area.poc is None and area.evidence is None and "area" not in faults.wrong and not faults.among("area.evidence"):
-        expected = "expected the name of a raster of weights (.csv, .npy or GeoTIFF), or area.evidence"
+    priors = (area.poc, area.evidence, area.polygon, area.segments, area.last_known, area.frame)
+    if all(each is None for each in priors) and "area" not in faults.wrong and not faults.among("area."):
+        expected = "expected a raster of weights (.csv, .npy or GeoTIFF), area.polygon, or area.evidence"
         faults.add("area.poc", "nothing came", expected)
     elif area.poc is not None and area.evidence is not None:
         faults.add("area", "poc and evidence came", "expected one of them")
@@ -134,9 +135,9 @@ def _check_required(faults: Faults, settings: Settings) -> None:
         faults.add("budget", "steps and seconds came", "expected one of them")
 
 
-def _check_target(faults: Faults, settings: Settings) -> None:
+def _check_target(faults: Faults, settings: Settings, layers: Layers) -> None:
     """A CDP that no search of this map can have."""
-    target, on_map = settings.objective.detection_target, 1.0 - settings.area.outside
+    target, on_map = settings.objective.detection_target, 1.0 - max(settings.area.outside, layers.outside)
     if target is not None and target > on_map:
         came = f"{target} came, but the person is on this map with probability {on_map:.4g}"
         faults.add("objective.detection_target", came, f"expected at most {on_map:.4g}")
@@ -160,7 +161,8 @@ def _check_links(faults: Faults, settings: Settings, layers: Layers) -> None:
 
 def _notes(settings: Settings, sight: Sight, problem: SearchProblem) -> list[str]:
     notes, sensor = [], settings.sensor
-    if all(each is None for each in (sensor.difficulty, sensor.glimpse, sensor.detect)) and sensor.model == "binary":
+    given = (sensor.difficulty, sensor.glimpse, sensor.land_cover, sensor.sweep_width_m, sensor.detect)
+    if all(each is None for each in given) and sensor.model == "binary":
         notes.append("[sensor] says nothing, so every look at a cell detects who is there (glimpse 1)")
     if isinstance(sight.known, Belief):
         blocked = float(sight.known.poc.ravel()[~problem.grid.passable].sum())

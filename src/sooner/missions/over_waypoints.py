@@ -222,8 +222,11 @@ def _starts(faults: Faults, settings: Settings, streets: StreetMap | None) -> ND
     return np.array(places, float) if len(places) == len(given) else None
 
 
-def _start(faults: Faults, key: str, said: Sequence[int] | Place, streets: StreetMap) -> tuple[int, int] | None:
+def _start(faults: Faults, key: str, said: Sequence[int] | Place | str, streets: StreetMap) -> tuple[int, int] | None:
     """The cell of the map in which an agent starts."""
+    if isinstance(said, str):
+        faults.add(key, f"{said!r} came", "expected [row, col] in whole numbers, or lat and lon")
+        return None
     if isinstance(said, Place):
         missing = [name for name in ("lat", "lon") if name not in said.model_fields_set]
         if missing:

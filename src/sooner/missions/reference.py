@@ -10,10 +10,14 @@ from sooner.missions.settings import (
     Budget,
     CameraSettings,
     Cutting,
+    Drawing,
     Estimating,
     Hearing,
+    LandCover,
+    LastKnown,
     Place,
     Searching,
+    Segments,
     Sensor,
     Settings,
     TargetSettings,
@@ -122,6 +126,10 @@ likewise `y_m`. (A `start = [row, col]` of the mission file counts rows from the
 
 _TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[area]", Area),
+    ("Drawn in a file", Drawing),
+    ("[area.segments]", Segments),
+    ("[area.last_known]", LastKnown),
+    ("[area.land_cover]", LandCover),
     ("[area.window]", Window),
     ("[sensor]", Sensor),
     ("[sensor.camera]", CameraSettings),
@@ -134,7 +142,8 @@ _TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[links]", Hearing),
 )
 
-_WORDS = {list: "[row, col]", Place: "{lat, lon}", CameraSettings: "table", Window: "table"}
+_NAMED = (CameraSettings, Window, Drawing, Segments, LastKnown, LandCover)
+_WORDS = {list: "[row, col]", dict: "table", Place: "{lat, lon}"} | dict.fromkeys(_NAMED, "table")
 
 
 def reference_page() -> str:
@@ -148,7 +157,8 @@ def reference_page() -> str:
         f"At the top: `name`, {Settings.model_fields['name'].description}.",
     ]
     for title, model in _TABLES:
-        parts.append(f"## `{title}`\n\n{about(model)}\n\n{keys_table(model, _WORDS)}")
+        title = f"`{title}`" if title.startswith("[") else title
+        parts.append(f"## {title}\n\n{about(model)}\n\n{keys_table(model, _WORDS)}")
     parts.append(
         "## Time\n\nWith `steps` time is counted in moves from cell to cell, as the papers do. With `seconds` a step "
         "takes `cell_m / speed_mps` (on `square8` the length of a diagonal counts for every step, so that no flight "

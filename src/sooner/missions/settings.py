@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from sooner.errors import Fault
+from sooner.missions.winds import WindSettings
 
 __all__ = [
     "MAX_STEPS",
@@ -15,10 +16,14 @@ __all__ = [
     "Budget",
     "CameraSettings",
     "Cutting",
+    "Drawing",
     "Estimating",
     "Hearing",
+    "LandCover",
+    "LastKnown",
     "Place",
     "Searching",
+    "Segments",
     "Sensor",
     "Settings",
     "TargetSettings",
@@ -67,6 +72,63 @@ class Window(_Table):
     cut: bool = Field(default=False, description="end streets where the extract lacks their nodes; else a fault")
 
 
+class Drawing(_Table):
+    """`{ file = ... }`: what is drawn in a vector file, wherever a file's name alone may stand too."""
+
+    file: str | None = Field(default=None, description=".geojson, .json, .gpkg, .kml, .kmz or .gpx")
+    layer: str | None = Field(default=None, description="of a .gpkg that has several")
+    title: str | None = Field(default=None, description="only what has this title; left out: all")
+    radius_m: Metres | None = Field(
+        default=None,
+        description="of `no_fly` and `obstacles`: around points and lines, which need one; left out: their own "
+        "`radius_m`",
+    )
+
+
+Drawings = str | Drawing | list[str | Drawing]
+
+
+class Segments(_Table):
+    """`[area.segments]`: polygons of search segments, each with its own POC, even within it.
+
+    A file's name alone may stand instead: `segments = "segments.gpkg"`, whose polygons have an attribute `poc`.
+    """
+
+    file: str | None = Field(default=None, description="vector file with a polygon, or several, for each segment")
+    layer: str | None = Field(default=None, description="of a .gpkg that has several")
+    attribute: str = Field(
+        default="poc", description="of each polygon: its POC; shares where none is above 1, else percent"
+    )
+    poc: dict[str, NotNegative] | None = Field(
+        default=None, description="instead of the attribute: { title = POC } of each segment, as above"
+    )
+
+
+class LastKnown(_Table):
+    """`[area.last_known]`: a first map from where the person was last known to be, and how far others were found.
+
+    The rest, 1 less the last quantile, lies outside. Even by area within each ring: of all maps that agree with the
+    table the one that claims least.
+    """
+
+    place: Place | str | None = Field(default=None, description="{ lat, lon }, or the title of a point in the files")
+    rings_m: list[Metres] | None = Field(default=None, description="distances, growing, metres")
+    quantiles: list[Annotated[float, Field(gt=0, le=1)]] | None = Field(
+        default=None, description="share of cases found within each distance, growing"
+    )
+
+
+class LandCover(_Table):
+    """`[area.land_cover]`: classes of ground, of which `[sensor.land_cover]` says what a look detects there.
+
+    A file's name alone may stand instead.
+    """
+
+    file: str | None = Field(default=None, description="a GeoTIFF of whole numbers, or a vector file of polygons")
+    layer: str | None = Field(default=None, description="of a .gpkg that has several")
+    attribute: str = Field(default="class", description="of each polygon: its class")
+
+
 class Area(_Table):
     """`[area]`: where the person may be."""
 
@@ -87,9 +149,39 @@ class Area(_Table):
     window: Window | None = Field(default=None, description="of an extract: a table, as below")
     cell_m: Metres | None = Field(
         default=None,
-        description="metres between cell centres, where the raster has no georeference; of an extract, 5 if left out",
+        description="metres between cell centres, where the raster has no georeference or a grid is laid over "
+        "`polygon`, there at most 40,000 cells if left out; of an extract, 5 if left out",
     )
-    obstacles: str | None = Field(default=None, description="raster; non-zero cells cannot be entered")
+    polygon: Drawings | None = Field(
+        default=None,
+        description="vector file of the search area, or several, or a table as below; holes are kept. Without `poc`, "
+        "`segments` and `last_known` the person is anywhere in it alike; what `poc` has beyond it counts as `outside`",
+    )
+    no_fly: Drawings | None = Field(
+        default=None, description="likewise, of ground that nothing flies over; points and lines with a radius too"
+    )
+    margin_m: Annotated[float, Field(ge=0, le=10_000, allow_inf_nan=False)] = Field(
+        default=0.0, description="to keep from the border of `polygon` and from `no_fly`"
+    )
+    points: Drawings | None = Field(
+        default=None, description="likewise, of points whose titles `start`, `end` and `place` may name; all others too"
+    )
+    segments: str | Segments | None = Field(default=None, description="instead of `poc`: a file or a table, as below")
+    last_known: LastKnown | None = Field(default=None, description="instead of `poc`: a table, as below")
+    elevation: str | None = Field(default=None, description="GeoTIFF of metres above the sea, in any projection")
+    land_cover: str | LandCover | None = Field(
+        default=None, description="of `sensor.land_cover`: a file or a table, as below"
+    )
+    frame: str | None = Field(
+        default=None,
+        description="projection in metres of the grid, `EPSG:32632` say; left out: one centred on `polygon`. Rasters "
+        "may be of any projection where it, `polygon`, `segments` or `last_known` is given",
+    )
+    obstacles: Drawings | None = Field(
+        default=None,
+        description="raster; non-zero cells cannot be entered. Or drawn, as `no_fly`; or an OpenStreetMap extract "
+        "(.osm, .pbf): its buildings",
+    )
     grid: Literal["square4", "square8", "hex"] = Field(
         default="square4",
         description="neighbours of a cell: 4, 8 (none past an obstacle's corner), or 6 (odd rows half a cell east); "
@@ -121,6 +213,10 @@ class Sensor(_Table):
         description="P(detect in one look, if there): a number or a raster in [0, 1]; over waypoints P(a look sees the "
         "cell, its street and its target): else, under canopy say, both sensors read noise; 1 if left out",
     )
+    land_cover: dict[str, Annotated[float, Field(ge=0, le=1)]] | None = Field(
+        default=None,
+        description="instead of `glimpse`: { class = glimpse } of each class of `area.land_cover`; `else`: all others",
+    )
     correlation: float = Field(
         default=0.0, ge=0, le=1, description="of two looks at one place; 0: independent, 1: a second look adds nothing"
     )
@@ -137,6 +233,16 @@ class Sensor(_Table):
     )
     prior_looks: Positive = Field(
         default=2.0, description="of model `beta`: how many looks the evidence stands for; 2 with theta 0.5: any rate"
+    )
+    sweep_width_m: float | str | None = Field(
+        default=None,
+        description="along legs, instead of `glimpse`: sweep width W in metres, a number or a raster; effort adds up "
+        "to a coverage C, and POD = 1 - exp(-C)",
+    )
+    law: Literal["exponential", "inverse_cube"] | None = Field(
+        default=None,
+        description="of `sweep_width_m`: `exponential`, alike for each metre in view, if left out; `inverse_cube`: "
+        "falling off with the cube of the distance",
     )
     radius_m: Metres | None = Field(
         default=None,
@@ -164,16 +270,24 @@ class Sensor(_Table):
 class Searching(_Table):
     """`[[searcher]]`: a drone."""
 
-    start: Cell | Place | None = Field(
+    start: Cell | Place | str | None = Field(
         default=None,
-        description="[row, col] where it starts (required), or { lat = 46.1, lon = 11.2 } on a georeferenced map; over "
-        "waypoints all may leave it out, and start on the edge of the map, as drawn by the seed or the strategy",
+        description="[row, col] where it starts (required), or { lat = 46.1, lon = 11.2 } on a georeferenced map, or "
+        "the title of a point in the area's files; over waypoints all may leave it out, and start on the edge of the "
+        "map, as drawn by the seed or the strategy",
     )
-    end: Cell | Place | None = Field(default=None, description="where it must be at the end, likewise")
-    moves: Literal["cells", "regions", "waypoints"] = Field(
+    end: Cell | Place | str | None = Field(default=None, description="where it must be at the end, likewise")
+    moves: Literal["cells", "regions", "legs", "waypoints"] = Field(
         default="cells",
-        description="`cells`: a cell a step; `regions`: whole regions, with true accelerations; `waypoints`: anywhere, "
-        "mapping unknown `streets`, as `sooner simulate` flies it",
+        description="`cells`: a cell a step; `regions`: whole regions, with true accelerations; `legs`: straight legs "
+        "between any places, as aircraft fly them; `waypoints`: anywhere, mapping unknown `streets`, as "
+        "`sooner simulate` flies it",
+    )
+    vehicle: str | None = Field(
+        default=None, description="along legs: a vehicle file, instead of `kind`, `speed_mps` and `accel_mps2`"
+    )
+    batteries: Annotated[int, Field(strict=True, ge=1, le=100)] = Field(
+        default=1, description="along legs, of the vehicle: one sortie each, one after the other"
     )
     kind: Literal["copter", "fixed_wing"] = Field(
         default="copter", description="a copter may hover; a fixed wing neither hovers nor turns straight back"
@@ -352,11 +466,17 @@ class Settings(_Table):
     estimator: Estimating | None = None
     regions: Cutting | None = None
     links: Hearing | None = None
+    wind: WindSettings | None = None
 
     @property
     def over_regions(self) -> bool:
         """Whether drones move over regions; all do, or none."""
         return any(searcher.moves == "regions" for searcher in self.searcher)
+
+    @property
+    def over_legs(self) -> bool:
+        """Whether drones fly straight legs between any places; all do, or none."""
+        return any(searcher.moves == "legs" for searcher in self.searcher) and not self.over_regions
 
     @property
     def over_waypoints(self) -> bool:
@@ -411,7 +531,7 @@ def misplaced(settings: Settings, file: str) -> list[Fault]:
         own, shared = _STREET_KEYS[name], _SHARED_KEYS[name]
         wrong = table.model_fields_set - own - shared if flown else table.model_fields_set & own
         faults += [Fault(file, f"{key}.{each}", came, expected) for each in type(table).model_fields if each in wrong]
-    for name in ("regions",) if flown else ("target", "estimator"):
+    for name in ("regions", "wind") if flown else ("target", "estimator"):
         if getattr(settings, name) is not None:
             faults.append(Fault(file, name, came, expected))
     return faults
@@ -424,18 +544,24 @@ def not_yet(settings: Settings, file: str) -> list[Fault]:
     def refuse(key: str, came: str, instead: str) -> None:
         faults.append(Fault(file, key, f"{came} came, which this version does not do yet", instead))
 
-    if not settings.over_regions:
+    if not settings.over_legs:
+        for key in ("sweep_width_m", "law"):
+            if getattr(settings.sensor, key) is not None:
+                refuse(f"sensor.{key}", "effort along legs", 'give moves = "legs", or leave it out')
+    if not settings.over_regions and not settings.over_legs:
         for key in ("radius_m", "camera", "range_m"):
             if getattr(settings.sensor, key) is not None:
                 what = "how far the sensor reaches, over cells,"
-                refuse(f"sensor.{key}", what, 'give moves = "regions", or leave it out: a look covers the cell below')
-    if settings.objective.detection_target is not None and len(settings.searcher) > 1 and not settings.over_regions:
+                refuse(f"sensor.{key}", what, 'give moves = "legs" or "regions", or leave it out: a look covers the cell below')
+    over_cells = not settings.over_regions and not settings.over_legs
+    if settings.objective.detection_target is not None and len(settings.searcher) > 1 and over_cells:
         instead = 'leave it out: the most by the end, or give moves = "regions"'
         refuse("objective.detection_target", "a target over several searchers over cells", instead)
     if settings.objective.early and not settings.over_regions:
         refuse("objective.early", "an early plan over cells", "leave it out, or give a detection_target")
     for number, searcher in enumerate(settings.searcher):
-        if not settings.over_regions and searcher.speed_mps != settings.searcher[0].speed_mps:
+        timed = settings.over_regions or settings.over_legs
+        if not timed and searcher.speed_mps != settings.searcher[0].speed_mps:
             instead = 'give all the same, as all step together, or moves = "regions"'
             refuse(f"searcher[{number}].speed_mps", "another one than searcher[0]'s over cells", instead)
     for number, searcher in enumerate(settings.searcher):
@@ -444,6 +570,11 @@ def not_yet(settings: Settings, file: str) -> list[Fault]:
 
 
 def _refuse_searcher(key: str, searcher: Searching, first: Searching, refuse: Callable[[str, str, str], None]) -> None:
+    if searcher.moves != "legs":
+        if searcher.vehicle is not None:
+            refuse(f"{key}.vehicle", "a vehicle file", 'give moves = "legs", or leave it out')
+        if searcher.batteries > 1:
+            refuse(f"{key}.batteries", f"{searcher.batteries} batteries", 'give moves = "legs", or leave it out')
     if searcher.moves != first.moves:
         refuse(f"{key}.moves", f"'{searcher.moves}' beside '{first.moves}'", "give all the same")
     if searcher.moves == "regions" and searcher.kind == "fixed_wing":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from sooner.missions.faults import Faults
 from sooner.missions.layers import Layers
 from sooner.missions.settings import Settings
 from sooner.problem import Gains, Objective, detection_gains
+from sooner.problem.gains import effort_gains
 from sooner.sensors import glimpse_from_difficulty
 from sooner.simulation.answers import AnswerModel
 
@@ -36,6 +38,7 @@ class Sight:
     objective : Objective
     false_alarm : float        P(a look says yes | none is there)
     correlation : float        of two looks at one place
+    by_effort : bool           looks are worth units of effort, as along legs, and `detect` is in those units already
     """
 
     known: Belief | EvidenceGrid | BetaGrid
@@ -43,6 +46,7 @@ class Sight:
     objective: Objective = Objective()
     false_alarm: float = 0.0
     correlation: float = 0.0
+    by_effort: bool = False
 
     @property
     def unit(self) -> str:
@@ -89,6 +93,8 @@ class Sight:
     @cached_property
     def gains(self) -> Gains:
         """What the k-th look at each cell pays, (N, L)."""
+        if self.by_effort:
+            return effort_gains(self.theta)
         if self.objective.kind == "information":
             table = self.rows(np.arange(self.theta.size))
             return Gains(table, np.zeros(len(table)))
@@ -106,8 +112,10 @@ class Sight:
         detect = self.detect if isinstance(self.detect, float) else np.ravel(self.detect)[cells]
         return information(np.ravel(self.theta)[cells], LOOKS, detect, self.false_alarm)
 
-    def worth(self, looks: NDArray[np.int64]) -> Floats:
-        """(N,) float: what so many looks at each cell pay, cell by cell."""
+    def worth(self, looks: NDArray[Any]) -> Floats:
+        """(N,) float: what so many looks at each cell, or so much effort on it, pay, cell by cell."""
+        if self.by_effort:
+            return self.gains.total(np.arange(self.theta.size), looks)
         paid = np.zeros(self.theta.size)
         seen = np.flatnonzero(looks)
         for first in range(0, len(seen), CHUNK):
@@ -125,12 +133,13 @@ class Sight:
             return None
         sensor, wish = settings.sensor, settings.objective
         target = wish.detection_target if wish.kind == "detection" else None
-        return cls(known, detect, Objective(wish.kind, target), sensor.false_alarm or 0.0, sensor.correlation)
+        alarms = sensor.false_alarm or 0.0
+        return cls(known, detect, Objective(wish.kind, target), alarms, sensor.correlation, settings.over_legs)
 
 
 def _known(faults: Faults, settings: Settings, layers: Layers) -> Belief | EvidenceGrid | BetaGrid | None:
     if layers.weights is not None:
-        return Belief.from_weights(layers.weights, settings.area.outside)
+        return Belief.from_weights(layers.weights, layers.outside)
     if layers.theta is None:
         return None
     if settings.sensor.model == "binary":
@@ -153,7 +162,7 @@ def _detect(faults: Faults, settings: Settings, layers: Layers) -> float | Float
             faults.add("sensor.glimpse", f"{sensor.glimpse} came", expected)
             return None
         return sensor.glimpse
-    if isinstance(sensor.glimpse, str):
+    if isinstance(sensor.glimpse, str) or layers.glimpse is not None:
         return layers.glimpse
     if sensor.difficulty is not None:
         return None if layers.difficulty is None else glimpse_from_difficulty(layers.difficulty)
@@ -164,7 +173,7 @@ def _check(faults: Faults, settings: Settings) -> None:
     """Which keys go together."""
     area, sensor, wish = settings.area, settings.sensor, settings.objective
     over_evidence = area.evidence is not None and area.poc is None
-    given = [key for key in ("difficulty", "glimpse", "detect") if getattr(sensor, key) is not None]
+    given = [key for key in ("difficulty", "glimpse", "land_cover", "detect") if getattr(sensor, key) is not None]
     if len(given) > 1:
         faults.add("sensor", f"{' and '.join(given)} came", "expected one of them")
     if sensor.false_alarm is not None and sensor.detect is None and not faults.among("sensor.detect"):
