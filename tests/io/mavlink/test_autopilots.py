@@ -8,6 +8,7 @@ what MAVProxy or PX4's SITL sends there. Without it that test skips.
 import os
 import socket
 from contextlib import contextmanager
+from dataclasses import replace
 from queue import Queue
 
 import mavsdk
@@ -42,6 +43,7 @@ def test_mavsdk_takes_the_flight_acknowledges_it_and_tells_it_back():
     with autopilot() as (connection, taken):
         uploaded = upload(RIDGE, connection)
         fence, rally, mission = (taken.get(timeout=30) for _ in range(3))
+        without = upload(replace(RIDGE, fences=(), landings=()), connection)
     assert uploaded.same
     assert [(each.part, each.sent, each.held) for each in uploaded.checked] == [
         ("fence", 7, 7),
@@ -49,6 +51,8 @@ def test_mavsdk_takes_the_flight_acknowledges_it_and_tells_it_back():
         ("mission", 9, 9),
     ]
     assert [[item.command for item in each] for each in (fence, rally, mission)] == COMMANDS
+    assert without.same
+    assert "fence: the vehicle held 7 items of another flight, which were cleared" in without.notes
     corners = [corner for ring in RIDGE.fences for corner in ring.corners]
     for items, places in ((fence, corners), (rally, RIDGE.landings), (mission, RIDGE.places)):
         found = [(item.x / 1e7, item.y / 1e7) for item in items if item.command in (16, 5001, 5002, 5100)]

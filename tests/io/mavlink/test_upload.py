@@ -321,6 +321,23 @@ def test_a_vehicle_without_fences_gets_the_mission_and_it_is_told(script, why):
     assert f"the vehicle takes no rally points{why}: the flight's 1 items were not sent" in uploaded.notes
 
 
+def test_a_vehicle_that_is_silent_about_fences_and_about_itself_gets_the_mission():
+    with flying(capabilities=None) as vehicle:
+        told = vehicle._on_mission_request_list
+        vehicle._on_mission_request_list = lambda message: None if message.mission_type else told(message)
+        uploaded = sent_to(vehicle, patience=dataclasses.replace(HASTE, answer_s=0.2, tries=3))
+    assert uploaded.same
+    assert [each.part for each in uploaded.checked] == ["mission"]
+
+
+def test_a_mission_that_is_refused_says_that_the_fence_is_the_new_one():
+    with (
+        flying(refuses={0: 14}) as vehicle,
+        pytest.raises(VehicleError, match="; replaced before: fence, rally points"),
+    ):
+        sent_to(vehicle)
+
+
 def test_a_fence_that_is_refused_stops_the_upload_before_the_mission():
     with (
         flying(refuses={1: 5}, held={0: 3}) as vehicle,

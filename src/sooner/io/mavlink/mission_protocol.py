@@ -119,13 +119,9 @@ class Lists:
         ------
         VehicleError
         """
-        message = self.talk.mavlink.MAVLink_mission_request_list_message(*self.talk.target, part.number)
-        told = self._asked(message, (COUNT, ACK), part)
-        if told is None:
-            raise self._silence(part, "how many items it holds")
-        if told.get_type() == ACK:
-            raise self._refusal(part, _Offered(told.type, 0), 0)
-        return int(told.count)
+        count = self._begun(part)
+        self._acknowledge(part, CANCELLED if count else ACCEPTED)  # the items themselves are not wanted
+        return count
 
     def read(self, part: Part, most: int) -> tuple[int, tuple[MissionItem, ...]]:
         """How many items the vehicle holds, and the first of them.
@@ -134,7 +130,7 @@ class Lists:
         ------
         VehicleError
         """
-        count, found = self.count(part), []
+        count, found = self._begun(part), []
         for number in range(min(count, most)):
             told = self._asked(
                 self.talk.mavlink.MAVLink_mission_request_int_message(*self.talk.target, number, part.number),
@@ -147,6 +143,16 @@ class Lists:
             found.append(_item(told))
         self._acknowledge(part, ACCEPTED)
         return count, tuple(found)
+
+    def _begun(self, part: Part) -> int:
+        """Begin to read; answers how many items there are."""
+        message = self.talk.mavlink.MAVLink_mission_request_list_message(*self.talk.target, part.number)
+        told = self._asked(message, (COUNT, ACK), part)
+        if told is None:
+            raise self._silence(part, "how many items it holds")
+        if told.get_type() == ACK:
+            raise self._refusal(part, _Offered(told.type, 0), 0)
+        return int(told.count)
 
     # ------------------------------------------------------------ both
 

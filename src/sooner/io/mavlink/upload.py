@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 
 from sooner.errors import DataFormatError, Fault
@@ -90,7 +90,7 @@ def upload(
     Raises
     ------
     DataFormatError             if no vehicle is heard, or it is armed
-    VehicleError              in the vehicle's words, or where it falls silent
+    VehicleError                in the vehicle's words, or where it falls silent
     UnsupportedProblemError     if pymavlink is not installed
     KeyboardInterrupt           with what the vehicle then holds
     """
@@ -138,15 +138,11 @@ class _Upload:
 
     def done(self) -> Uploaded:
         """All lists, one after the other."""
-        for part in (FENCE, RALLY, MISSION):
-            items = items_of(self.plan, part, self.ardupilot)
-            if part is MISSION or self._known(part, items):
-                _check_disarmed(self.talk, self.force)
-                if items:
-                    self._put(part, items)
-                elif held := self._counted(part):
-                    self._clear(part, held)
-        self.talk.wait(self.lists.patience.warnings_s)
+        for part in (FENCE, RALLY):
+            self._put_or_clear(part, items_of(self.plan, part, self.ardupilot))
+        self._put(MISSION, items_of(self.plan, MISSION, self.ardupilot))
+        with suppress(KeyboardInterrupt):  # all is done
+            self.talk.wait(self.lists.patience.warnings_s)
         if self.talk.vehicle.armed:
             self.notes.append("the vehicle is armed")
         self.notes += self._fenced()
@@ -159,16 +155,44 @@ class _Upload:
 
     # ------------------------------------------------------------ one list
 
-    def _put(self, part: Part, items: tuple[MissionItem, ...]) -> None:
-        self.tell(f"sending the {part.name}: {len(items)} items")
-        try:
-            with self._broken_off(f"while the {part.name} was sent", part, self._state(part)):
-                self.lists.put(part, items)
-        except VehicleError as refusal:
-            if part is not MISSION and refusal.result == UNSUPPORTED and self._counted(part) == 0:
-                self._left_out(part, items)
+    def _put_or_clear(self, part: Part, items: tuple[MissionItem, ...]) -> None:
+        """A list that a flight need not have, and a vehicle need not know."""
+        held = self._held(part)
+        if held is not None and items:
+            try:
+                self._put(part, items)
                 return
+            except VehicleError as refusal:
+                if refusal.result != UNSUPPORTED or self._held(part):
+                    raise
+                held = None
+        if held is None and items:
+            why = "" if self.talk.vehicle.version_2 else ", as it speaks MAVLink 1"
+            self.notes.append(f"the vehicle takes no {part.name}{why}: the flight's {len(items)} items were not sent")
+        elif held:
+            self._clear(part, held)
+
+    def _held(self, part: Part) -> int | None:
+        """How many items the vehicle holds; None where it has no such list.
+
+        MAVLink 1 has none, and would take it for the mission. A vehicle that does not say what it can do may be
+        silent about what it cannot.
+        """
+        vehicle = self.talk.vehicle
+        if not vehicle.version_2 or (vehicle.capabilities is not None and not vehicle.capabilities & part.capability):
+            return None
+        try:
+            return self.lists.count(part)
+        except VehicleError as refusal:
+            if refusal.result == UNSUPPORTED or (refusal.result is None and vehicle.capabilities is None):
+                return None
             raise
+
+    def _put(self, part: Part, items: tuple[MissionItem, ...]) -> None:
+        _check_disarmed(self.talk, self.force)
+        self.tell(f"sending the {part.name}: {len(items)} items")
+        with self._broken_off(f"while the {part.name} was sent", part, self._state(part)):
+            self.lists.put(part, items)
         self.tell(f"reading the {part.name} back")
         with self._broken_off(
             f"while the {part.name} was read back", part, "the vehicle took it, and it is not checked"
@@ -180,6 +204,7 @@ class _Upload:
             self.notes += self._at_home(held)
 
     def _clear(self, part: Part, held: int) -> None:
+        _check_disarmed(self.talk, self.force)
         self.tell(f"clearing the {part.name} that the vehicle holds")
         self.lists.clear(part)
         count = self.lists.count(part)
@@ -190,43 +215,23 @@ class _Upload:
         if not left:
             self.notes.append(f"{part.name}: the vehicle held {held} items of another flight, which were cleared")
 
-    def _counted(self, part: Part) -> int:
-        """How many items it holds; 0 where it does not know this list."""
-        try:
-            return self.lists.count(part)
-        except VehicleError as refusal:
-            if refusal.result == UNSUPPORTED:
-                return 0
-            raise
-
-    def _known(self, part: Part, items: tuple[MissionItem, ...]) -> bool:
-        """Whether the vehicle has such a list. MAVLink 1 has none, and would take it for the mission."""
-        vehicle = self.talk.vehicle
-        said = vehicle.capabilities is None or bool(vehicle.capabilities & part.capability)
-        if vehicle.version_2 and said:
-            return True
-        self._left_out(part, items)
-        return False
-
-    def _left_out(self, part: Part, items: tuple[MissionItem, ...]) -> None:
-        if items:
-            why = "" if self.talk.vehicle.version_2 else ", as it speaks MAVLink 1"
-            self.notes.append(f"the vehicle takes no {part.name}{why}: the flight's {len(items)} items were not sent")
-
     # ------------------------------------------------------------ words
 
     @contextmanager
     def _broken_off(self, when: str, part: Part, state: str) -> Iterator[None]:
         """Whatever ends a transfer early also tells what the vehicle then holds."""
-        told = state if part is MISSION else f"{state}; its mission is as it was"
+        before = ", ".join(each.part for each in self.checked)
+        mission = "" if part is MISSION else "; its mission is as it was"
+        told = f"{state}{mission}" + (f"; replaced before: {before}" if before else "")
         try:
             yield
         except KeyboardInterrupt:
             self.lists.cancel(part)
             raise KeyboardInterrupt(f"interrupted {when}: {told}") from None
-        except VehicleError as refusal:
-            fault = replace(refusal.fault, expected=f"{refusal.fault.expected}; {told}")
-            raise VehicleError(fault, refusal.result) from None
+        except DataFormatError as error:
+            (fault,) = error.faults
+            result = error.result if isinstance(error, VehicleError) else None
+            raise VehicleError(replace(fault, expected=f"{fault.expected}; {told}"), result) from None
 
     def _state(self, part: Part) -> str:
         """What a vehicle holds after a transfer that broke off."""
