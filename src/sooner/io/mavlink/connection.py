@@ -8,7 +8,9 @@ import select
 import socket
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 from sooner.errors import DataFormatError, Fault
@@ -101,7 +103,7 @@ class Connection:
         try:
             if self.kind == "serial":
                 return _serial(self)
-            return _Stream(_connected(self)) if self.kind == "tcp" else _Datagrams(self)
+            return _tcp(self) if self.kind == "tcp" else _Datagrams(self)
         except OSError as error:
             came, expected = f"it cannot be opened: {error.strerror or error}", _advice(self.kind)
             raise DataFormatError(Fault("--connect", str(self), came, expected)) from None
@@ -174,27 +176,33 @@ class _Datagrams:
 # ---------------------------------------------------------------- TCP and serial lines
 
 
-def _connected(connection: Connection) -> int:
-    """The descriptor of a connected socket."""
+def _tcp(connection: Connection) -> Channel:
+    """A connected socket."""
     line = socket.create_connection((connection.where, connection.number), CONNECT_S)
     line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     line.setblocking(False)
-    return line.detach()
+    return _Stream(line, line.recv, line.send, line.close)
 
 
 class _Stream:
-    """A line with one other end, by its descriptor."""
+    """A line with one other end: what can be waited for, and how it is read, written and closed."""
 
     whole = False
 
-    def __init__(self, descriptor: int) -> None:
-        self.descriptor = descriptor
+    def __init__(
+        self,
+        line: socket.socket | int,
+        read: Callable[[int], bytes],
+        write: Callable[[bytes], int],
+        close: Callable[[], None],
+    ) -> None:
+        self._line, self._read, self._write, self.close = line, read, write, close
 
     def receive(self, seconds: float) -> tuple[bytes, Sender] | None:
-        if not select.select([self.descriptor], [], [], max(seconds, 0.0))[0]:
+        if not select.select([self._line], [], [], max(seconds, 0.0))[0]:
             return None
         try:
-            data = os.read(self.descriptor, 4096)
+            data = self._read(4096)
         except BlockingIOError:
             return None
         except OSError as error:
@@ -206,17 +214,14 @@ class _Stream:
     def send(self, data: bytes, to: Sender) -> None:
         until = time.monotonic() + CONNECT_S
         while data:
-            select.select([], [self.descriptor], [], 1.0)
+            select.select([], [self._line], [], 1.0)
             try:
-                data = data[os.write(self.descriptor, data) :]
+                data = data[self._write(data) :]
             except BlockingIOError:
                 if time.monotonic() > until:
                     raise _broken("it takes no more bytes") from None
             except OSError as error:
                 raise _broken(error.strerror or str(error)) from None
-
-    def close(self) -> None:
-        os.close(self.descriptor)
 
 
 def _broken(came: str) -> DataFormatError:
@@ -245,4 +250,4 @@ def _serial(connection: Connection) -> Channel:
     except termios.error as error:
         os.close(line)
         raise OSError(0, f"it is no serial line: {error.args[-1]}") from None
-    return _Stream(line)
+    return _Stream(line, partial(os.read, line), partial(os.write, line), partial(os.close, line))
