@@ -188,6 +188,34 @@ def upload_plan(
     return partial(_run, "upload", "upload_plan", mission, plan, *wishes)
 
 
+@app.command(name="debrief")
+def debrief_tracks(
+    mission: MissionFile,
+    tracks: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="TRACK...",
+            help="What was flown: .gpx, .geojson, .kml, a DJI flight record .csv, .tlog, .bin or .log.",
+        ),
+    ],
+    plan: Annotated[
+        Path | None, typer.Option(metavar="PLAN.csv", help="What was to be flown: gaps are told, and how far off.")
+    ] = None,
+    out: Annotated[Path | None, _folder("Folder for the maps, the picture and the next mission.")] = None,
+    gap: Annotated[
+        float, typer.Option(metavar="S", help="Between fixes more than so many seconds apart nothing counts as flown.")
+    ] = 15.0,
+    json: Json = False,
+    force: Force = False,
+) -> Work:
+    """Judge flown tracks on which nobody was found: POD by cell, POS so far, gaps, and the next mission.
+
+    Writes debrief.json, debrief.png, pod.tif, poc-after.tif, gaps.geojson (with --plan), and next/mission.toml, whose
+    first map is where the person may be now, to --out (left out: a folder MISSION-debrief beside the mission file).
+    """
+    return partial(_run, "debrief", "debrief_tracks", mission, tracks, plan, out, gap, json, force)
+
+
 @app.command()
 def simulate(
     mission: MissionFile,
