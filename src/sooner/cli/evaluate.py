@@ -95,7 +95,7 @@ def tell_early(score: Score) -> None:
         print(f"  expected time, if it finds          {times(mission, evaluation.mean_time_if_found)}")
     if mission.sight.unit == "probability":
         print(f"  expected time, found or flown out   {times(mission, evaluation.expected_time)}")
-    if mission.over_regions:
+    if mission.timed:
         print(f"  how early                           {percent(score.early_share)}   (100 %: all of it at once)")
 
 

@@ -96,7 +96,7 @@ def _tell(mission: Mission, planned: Planned, result: dict[str, Any], folder: Fo
         print(f"  no flight gets there before         {times(mission, -best.bound)}   (proof: {best.bound_proof})")
     tell_reference(score)
     tell_left(score)
-    if mission.over_regions:
+    if mission.timed:
         tell_early(score)
     _tell_planned(planned)
     print(f"plan     {folder.path / 'plan.csv'}")

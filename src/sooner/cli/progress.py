@@ -95,4 +95,4 @@ class Watch:
         problem = self.mission.problem
         if self.mission.over_regions:
             return iterative_greedy(problem), "iterative greedy"
-        return None if problem.drift is not None else (problem.teleport.value, "teleport")
+        return None if problem.drift is not None or self.mission.over_legs else (problem.teleport.value, "teleport")

@@ -42,15 +42,15 @@ def steps(mission: Mission, count: float) -> str:
 
 
 def times(mission: Mission, time: float) -> str:
-    """A time of the judge's: steps, or over regions seconds as a clock shows them."""
-    if not mission.over_regions:
+    """A time of the judge's: steps, or seconds as a clock shows them."""
+    if not mission.timed:
         return steps(mission, time)
     return clock(time) if math.isfinite(time) else "never"
 
 
 def flight(mission: Mission, result: dict[str, object]) -> str:
     """How long the longest flight is, `result` being the score's."""
-    if mission.over_regions:
+    if mission.timed:
         seconds = result["duration_s"]
         assert isinstance(seconds, float)
         return clock(seconds)

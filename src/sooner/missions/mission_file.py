@@ -15,6 +15,7 @@ from sooner.io.reading import read_toml
 from sooner.missions.faults import Faults
 from sooner.missions.layers import Layers
 from sooner.missions.over_cells import OverCells
+from sooner.missions.over_legs import OverLegs, Sortie
 from sooner.missions.over_regions import OverRegions
 from sooner.missions.places import places
 from sooner.missions.settings import Settings, misplaced, not_yet
@@ -38,6 +39,7 @@ class Mission:
     step_s : float or None      seconds that one step takes; None over regions, and where the file says no speed
     notes : tuple of str        what the user should know about how the file was understood
     ground : Georeference or None  where its cells lie on the globe; None where the rasters do not say
+    sorties : of Sortie         along legs: what each searcher of the problem is, drone and battery
     """
 
     path: Path
@@ -48,6 +50,7 @@ class Mission:
     step_s: float | None
     notes: tuple[str, ...]
     ground: Georeference | None = None
+    sorties: tuple[Sortie, ...] = ()
 
     @property
     def name(self) -> str:
@@ -56,8 +59,23 @@ class Mission:
 
     @property
     def over_regions(self) -> bool:
-        """Whether drones move over regions, and time is told in seconds."""
+        """Whether drones move over regions."""
         return self.settings.over_regions
+
+    @property
+    def over_legs(self) -> bool:
+        """Whether drones fly straight legs between any places."""
+        return self.settings.over_legs
+
+    @property
+    def timed(self) -> bool:
+        """Whether time is told in seconds, not in steps."""
+        return self.over_regions or self.over_legs
+
+    @property
+    def moves(self) -> str:
+        """How drones move: "cells", "regions" or "legs"."""
+        return "regions" if self.over_regions else "legs" if self.over_legs else "cells"
 
     @property
     def belief(self) -> Belief | None:
@@ -72,7 +90,7 @@ class Mission:
     @property
     def unit_s(self) -> float | None:
         """Seconds of the problem's unit of time: of a step, or one over regions; None where nobody knows."""
-        return 1.0 if self.over_regions else self.step_s
+        return 1.0 if self.timed else self.step_s
 
 
 def read_mission(path: Path | str) -> Mission:
@@ -100,9 +118,15 @@ def read_mission(path: Path | str) -> Mission:
     for fault in not_yet(settings, str(path)):
         faults.add(fault.key, fault.came, fault.expected)
     layers = Layers.read(faults, settings)
-    sight = Sight.read(faults, settings, layers)
-    over = OverRegions if settings.over_regions else OverCells
-    search = over(faults, settings, layers, places(faults, settings, layers))
+    search: OverCells | OverRegions | OverLegs
+    if settings.over_legs:
+        search = OverLegs(faults, settings, layers, places(faults, settings, layers))
+        layers = search.layers
+        sight = Sight.read(faults, settings, layers)
+    else:
+        sight = Sight.read(faults, settings, layers)
+        over = OverRegions if settings.over_regions else OverCells
+        search = over(faults, settings, layers, places(faults, settings, layers))
     _check_target(faults, settings, layers)
     _check_links(faults, settings, layers)
     faults.refuse()
@@ -114,7 +138,8 @@ def read_mission(path: Path | str) -> Mission:
     notes = (*layers.notes, *_notes(settings, sight, problem), *search.notes)
     located = layers.first is not None and layers.first.corner is not None
     ground = Georeference.of(layers.first) if located and layers.first is not None else None
-    return Mission(path, settings, problem, sight, layers.cell_m, search.step_s, notes, ground)
+    sorties = search.sorties if isinstance(search, OverLegs) else ()
+    return Mission(path, settings, problem, sight, layers.cell_m, search.step_s, notes, ground, sorties)
 
 
 def _check_required(faults: Faults, settings: Settings) -> None:
@@ -129,7 +154,8 @@ def _check_required(faults: Faults, settings: Settings) -> None:
         faults.add("searcher", "no searcher came", "expected at least one [[searcher]] table")
     if faults.among("budget"):
         return
-    if budget.steps is None and budget.seconds is None:
+    flown_out = any(searcher.vehicle is not None for searcher in settings.searcher)  # as long as its batteries last
+    if budget.steps is None and budget.seconds is None and not flown_out:
         faults.add("budget", "nothing came", "expected steps, or seconds with area.cell_m and searcher.speed_mps")
     elif budget.steps is not None and budget.seconds is not None:
         faults.add("budget", "steps and seconds came", "expected one of them")

@@ -24,7 +24,7 @@ from sooner.problem.region_problem import Sweep, region_problem
 from sooner.problem.regions import ROUNDING_S, RegionMoves
 from sooner.sensors.camera import Camera, speed_to_stop
 
-__all__ = ["OverRegions", "dynamics_of"]
+__all__ = ["OverRegions", "camera_sight", "dynamics_of"]
 
 # In radii of the sensor: what the paper's counts of regions ask for at its 8.8 m, 75 cells of 2.2 m and 3 columns.
 MIN_AREA, MIN_WIDTH = 75 * 2.2**2 / 8.8**2, 3 * 2.2 / 8.8
@@ -269,7 +269,7 @@ class _Reach:
         if sensor.camera is not None and sensor.radius_m is not None:
             faults.add("sensor", "radius_m and camera came", "expected one of them")
         elif sensor.camera is not None:
-            radius_m, sharp = _seen(faults, sensor.camera)
+            radius_m, sharp = camera_sight(faults, sensor.camera)
             if radius_m is not None and radius_m > FARTHEST_M:
                 came = f"a camera came that sees {radius_m:.3g} m to each side"
                 faults.add("sensor.camera", came, f"expected at most {FARTHEST_M:g} m: a narrower view")
@@ -280,7 +280,7 @@ class _Reach:
         return cls(sensor.radius_m)
 
 
-def _seen(faults: Faults, said: CameraSettings) -> tuple[float | None, float]:
+def camera_sight(faults: Faults, said: CameraSettings) -> tuple[float | None, float]:
     """Radius of the ground in view, and the speed up to which pictures are sharp."""
     for key in type(said).model_fields:
         if getattr(said, key) is None:

@@ -15,7 +15,7 @@ __all__ = ["plan_picture"]
 
 def plan_picture(planned: Planned) -> bytes:
     """PNG: the flight over the map, and how what it collects grows."""
-    from sooner.plotting import BITS, PROBABILITY, TARGETS, Caption, Ground, draw_plan, draw_region_plan
+    from sooner.plotting import BITS, PROBABILITY, TARGETS, Caption, Ground, draw_leg_plan, draw_plan, draw_region_plan
 
     score, best = planned.score, planned.solution.best
     mission = score.mission
@@ -33,5 +33,7 @@ def plan_picture(planned: Planned) -> bytes:
     there = np.where(mission.problem.grid.passable, np.ravel(mission.sight.there), 0.0)
     if mission.over_regions:
         return draw_region_plan(score.evaluation, score.plan, Ground(there, score.looks, score.left), caption)
+    if mission.over_legs:
+        return draw_leg_plan(score.evaluation, score.plan, Ground(there, score.looks, score.left), caption)
     shown = there.reshape(mission.problem.grid.shape) if mission.belief is None else mission.sight.there
     return draw_plan(score.evaluation, score.plan, shown, mission.glimpse, caption)

@@ -19,7 +19,9 @@ from sooner.errors import (
     InvalidProblemError,
     UnsupportedProblemError,
 )
+from sooner.grid import rows_and_cols
 from sooner.io import Folder, plan_csv, read_plan, read_region_plan, region_plan_csv
+from sooner.io.leg_plans import leg_plan_csv, read_leg_plan
 from sooner.io.region_plans import stages
 from sooner.missions.mission_file import Mission
 from sooner.missions.score import Score, finite, objective_name, score_plan
@@ -34,6 +36,7 @@ from sooner.planners.registry import DEFAULT, PLANNERS, make_planner
 from sooner.planners.soonest import Soonest
 from sooner.planners.team import Team
 from sooner.problem import Evaluation, Plan, SearchProblem, evaluate
+from sooner.problem.leg_moves import places_of
 
 __all__ = ["FILES", "Planned", "plan_file", "plan_mission", "read_plan_file", "wrapped"]
 
@@ -115,7 +118,10 @@ class Planned:
         durations: Sequence[float | None] = self.score.durations or [None] * len(plan.actions)
         searchers = []
         for searcher, actions, seconds in zip(problem.searchers, plan.actions, durations, strict=True):
-            if self.score.mission.over_regions:
+            if self.score.mission.over_legs:
+                rows_cols = np.rint(rows_and_cols(problem.grid, places_of(actions))).astype(int)
+                cells = np.clip(rows_cols, 0, np.array(problem.grid.shape) - 1).tolist()
+            elif self.score.mission.over_regions:
                 cells = [list(stage.cell) for stage in stages(problem, searcher, actions)]
             else:
                 cells = np.column_stack(np.divmod(actions, problem.grid.shape[1])).tolist()
@@ -141,6 +147,8 @@ def plan_file(mission: Mission, plan: Plan) -> bytes:
     """The plan as CSV, in the columns of its moves."""
     if mission.over_regions:
         return region_plan_csv(plan, mission.problem)
+    if mission.over_legs:
+        return leg_plan_csv(plan, mission.problem, mission.ground)
     return plan_csv(plan, mission.problem.grid)
 
 
@@ -153,6 +161,8 @@ def read_plan_file(mission: Mission, path: Path) -> Plan:
     """
     if mission.over_regions:
         return read_region_plan(path, mission.problem)
+    if mission.over_legs:
+        return read_leg_plan(path, mission.problem)
     return read_plan(path, mission.problem.grid)
 
 
@@ -224,7 +234,12 @@ def _choose(problem: SearchProblem, name: str, links: Hearing | None, tell: Call
 
 
 def wrapped(problem: SearchProblem, planner: Planner) -> Planner:
-    """A planner for one drone, a person who stays and the most by the end, for what the problem asks."""
+    """A planner for one drone, a person who stays and the most by the end, for what the problem asks.
+
+    Planners of legs plan all sorties together as they are.
+    """
+    if moves_of(problem) == "legs":
+        return planner
     if len(problem.searchers) > 1:
         planner = Team(planner)
     elif problem.drift is not None:

@@ -15,6 +15,7 @@ from sooner.belief.effort import Variant, expected_effort
 from sooner.missions.mission_file import Mission
 from sooner.missions.reference_plan import iterative_greedy
 from sooner.problem import CellMoves, Evaluation, Plan, Searcher, detection_gains, evaluate
+from sooner.problem.leg_moves import LegMoves, places_of
 from sooner.problem.regions import RegionMoves
 
 __all__ = ["GIVE_UP", "Effort", "Score", "score_plan"]
@@ -121,7 +122,7 @@ class Score:
     @property
     def early_share(self) -> float:
         """Area under the curve of gains, as a share of all of it being collected at once."""
-        return 1.0 - self.evaluation.mean_time_if_found / max(each.budget for each in self.mission.problem.searchers)
+        return self.evaluation.early_share
 
     def effort(self, variant: Variant = "corrected") -> Effort | None:
         """What the flight spares people on the ground; None but over evidence of whether a target is there.
@@ -161,9 +162,9 @@ class Score:
             "efficiency": finite(self.efficiency),
             "reference": finite(reference[0]),
             "reference_name": reference[1],
-            "time_unit": "seconds" if mission.over_regions else "steps",
+            "time_unit": "seconds" if mission.timed else "steps",
             "step_s": mission.step_s,
-            "steps": None if mission.over_regions else [len(actions) - 1 for actions in self.plan.actions],
+            "steps": None if mission.timed else [len(actions) - 1 for actions in self.plan.actions],
             "duration_s": finite(self.seconds),
             "expected_time": finite(evaluation.expected_time) if probability else None,
             "mean_time_if_found": finite(evaluation.mean_time_if_found) if mission.sight.unit != "bits" else None,
@@ -213,6 +214,8 @@ def duration_s(searcher: Searcher, actions: NDArray[np.int64]) -> float:
     moves = searcher.moves
     if isinstance(moves, RegionMoves):
         return moves.seconds(actions)
+    if isinstance(moves, LegMoves):
+        return moves.seconds(places_of(actions))
     return (len(actions) - 1) * (moves.step_s if isinstance(moves, CellMoves) else 1.0)
 
 

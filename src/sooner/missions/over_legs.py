@@ -1,0 +1,381 @@
+"""A mission whose drones fly straight legs between any places: sorties, honest time, a swath beneath them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from sooner.errors import DataFormatError, InvalidProblemError
+from sooner.grid import Grid
+from sooner.grid.airspace import Airspace
+from sooner.io.georeference import Georeference
+from sooner.missions.faults import Faults
+from sooner.missions.finer import finer, parts_for
+from sooner.missions.layers import Layers
+from sooner.missions.over_regions import camera_sight
+from sooner.missions.places import Place
+from sooner.missions.settings import Place as OnGlobe
+from sooner.missions.settings import Searching, Settings
+from sooner.missions.sight import Sight
+from sooner.missions.vehicles import Vehicle, read_vehicle
+from sooner.missions.winds import wind_fault
+from sooner.motion.pace import Pace, Terrain
+from sooner.problem import Searcher, SearchProblem
+from sooner.problem.gains import effort_gains
+from sooner.problem.leg_moves import LegMoves
+from sooner.sensors.swath import CUBE_REACH, Swath
+
+__all__ = ["USUAL_M", "OverLegs", "Sortie"]
+
+USUAL_M = 60.0  # above the ground, where neither the drone nor the camera has an altitude
+SHORTEST_S = 10.0  # of a sortie that is worth taking off for
+SMOOTHED_CELLS = 2  # of elevation, over which the height that is flown is smoothed
+MOST_SORTIES = 100
+
+Metres = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Sortie:
+    """One flight on one battery.
+
+    Parameters
+    ----------
+    drone : int                 number of its `[[searcher]]`
+    battery : int               which of the drone's, from 0
+    altitude_m : float          above the ground
+    takeoff_s, landing_s : float   before the first leg and after the last
+    vehicle : Vehicle or None   where the mission names its file
+    """
+
+    drone: int
+    battery: int
+    altitude_m: float
+    takeoff_s: float = 0.0
+    landing_s: float = 0.0
+    vehicle: Vehicle | None = None
+
+
+class OverLegs:
+    """What the file says of such a search, checked as far as it can be without knowing what looks pay."""
+
+    step_s = None  # time is told in seconds as it is
+
+    def __init__(
+        self, faults: Faults, settings: Settings, layers: Layers, places: list[tuple[Place | None, Place | None]]
+    ) -> None:
+        self.faults, self.settings, self.layers, self.places = faults, settings, layers, places
+        self.notes: tuple[str, ...] = ()
+        self._check_keys()
+        self.vehicles = [self._vehicle(number) for number in range(len(settings.searcher))]
+        self.altitudes = [self._altitude(number) for number in range(len(settings.searcher))]
+        self.radius_m = self._radius_m()
+        self.coarse = layers
+        self.layers = self._finer(layers)
+        self.sorties: tuple[Sortie, ...] = ()
+        self.space = self._airspace()
+
+    # ------------------------------------------------------------ what the file says
+
+    def _check_keys(self) -> None:
+        add, settings = self.faults.add, self.settings
+        if settings.area.grid == "hex":
+            add("area.grid", "'hex' came", "expected square cells, over which discs are swept")
+        if settings.budget.steps is not None:
+            add(
+                "budget.steps", f"{settings.budget.steps} came", "expected budget.seconds: along legs flights are timed"
+            )
+        if self.layers.cell_m is None and self.layers.shape is not None:
+            add("area.cell_m", "nothing came", "expected metres: along legs flights are timed")
+        if settings.objective.kind == "information":
+            add("objective.kind", "'information' came", 'expected "detection" along legs, or moves = "regions"')
+        if settings.objective.detection_target is not None:
+            expected = 'expected it left out along legs: the most by the end; or moves = "regions"'
+            add("objective.detection_target", f"{settings.objective.detection_target:g} came", expected)
+        if settings.sensor.model == "beta" or settings.sensor.false_alarm:
+            add("sensor", "looks that err came", 'expected looks that detect or miss along legs, or moves = "regions"')
+        if settings.sensor.correlation:
+            add("sensor.correlation", f"{settings.sensor.correlation:g} came", "expected it left out along legs")
+        if settings.sensor.range_m is not None:
+            add("sensor.range_m", "it came", "expected it left out along legs, which keep clear of what is known")
+        if settings.regions is not None:
+            add("regions", "it came", 'expected it left out, or searcher.moves = "regions"')
+        if settings.links is not None:
+            add("links", "it came", "expected it left out along legs, which one computer plans for all")
+
+    def _vehicle(self, number: int) -> Vehicle | None:
+        said, key = self.settings.searcher[number], f"searcher[{number}]"
+        if said.vehicle is None:
+            for name, unit in (("speed_mps", "metres a second"), ("accel_mps2", "metres a second squared")):
+                if getattr(said, name) is None:
+                    expected = f"expected {unit}, or a vehicle file: along legs flights are timed"
+                    self.faults.add(f"{key}.{name}", "nothing came", expected)
+            if said.batteries > 1:
+                expected = "expected a vehicle file, which says how long one lasts"
+                self.faults.add(f"{key}.batteries", f"{said.batteries} came without a vehicle", expected)
+            if said.kind == "fixed_wing":
+                self.faults.add(
+                    f"{key}.kind", "a fixed wing along legs came", "expected 'copter': it stops where it turns"
+                )
+            if self.settings.wind is not None:
+                expected = "expected a vehicle file that says airspeed_mps, or no wind"
+                self.faults.add(f"{key}.vehicle", "nothing came beside a wind", expected)
+            return None
+        try:
+            vehicle = read_vehicle(self.faults.path.parent / said.vehicle)
+        except DataFormatError as error:
+            for fault in error.faults:
+                where = f", {fault.key}" if fault.key else ""
+                self.faults.add(f"{key}.vehicle", f"{fault.file}{where}: {fault.came}", fault.expected)
+            return None
+        if vehicle.kind == "fixed_wing":
+            self.faults.add(f"{key}.vehicle", "a fixed wing came", "expected a copter: legs stop where they turn")
+        windy = wind_fault(str(self.faults.path), self.settings.wind, said.vehicle, vehicle.airspeed_mps)
+        if windy is not None:
+            self.faults.add(windy.key, windy.came, windy.expected)
+        return vehicle
+
+    def _altitude(self, number: int) -> float:
+        """Above the ground: what the drone is told, else what the camera needs."""
+        said, camera = self.settings.searcher[number].altitude_m, self.settings.sensor.camera
+        if said is not None:
+            return said
+        if camera is not None and camera.altitude_m is not None:
+            return camera.altitude_m
+        note = f"nobody says how high: flown {USUAL_M:g} m above the ground"
+        self.notes += (note,) if note not in self.notes else ()
+        return USUAL_M
+
+    def _radius_m(self) -> float | None:
+        """How far looks reach, whichever way the file says it; None where nobody does."""
+        sensor = self.settings.sensor
+        told: list[tuple[str, float]] = []
+        if sensor.radius_m is not None:
+            told.append(("sensor.radius_m", sensor.radius_m))
+        if sensor.camera is not None:
+            seen, _ = camera_sight(self.faults, sensor.camera)
+            told += [] if seen is None else [("sensor.camera", seen)]
+        if len(told) > 1:
+            self.faults.add("sensor", "radius_m and camera came", "expected one of them")
+        if not told and sensor.sweep_width_m is None:
+            for number, vehicle in enumerate(self.vehicles):
+                seen = None if vehicle is None else vehicle.radius_m(self.altitudes[number])
+                if seen is not None:
+                    told.append((f"searcher[{number}].vehicle", seen))
+            if len({radius for _, radius in told}) > 1:
+                came = ", ".join(f"{radius:.4g} m by {key}" for key, radius in told)
+                self.faults.add(
+                    "sensor.radius_m", f"cameras that see {came} came", "expected one radius for all drones"
+                )
+        if not told and sensor.sweep_width_m is None and not self.faults.among("sensor"):
+            expected = "expected metres, a camera, or sweep_width_m: along legs the ground so near is looked at"
+            self.faults.add("sensor.radius_m", "nothing came", expected)
+        return told[0][1] if told else None
+
+    # ------------------------------------------------------------ ground
+
+    def _finer(self, layers: Layers) -> Layers:
+        """The layers over cells that are small beside what is in view."""
+        if layers.shape is None or layers.cell_m is None or self.faults.found:
+            return layers
+        sensor = self.settings.sensor
+        reach, sure = self.radius_m, sensor.sweep_width_m is None
+        if reach is None and layers.sweep_width is not None:
+            widest = float(np.max(layers.sweep_width))
+            reach = widest * (CUBE_REACH if sensor.law == "inverse_cube" else 0.5)
+        if not reach:
+            return layers
+        parts = parts_for(reach, layers.cell_m, layers.shape[0] * layers.shape[1], sure)
+        if parts > 1:
+            self.notes += (
+                f"cells of {layers.cell_m:g} m are cut into {parts} x {parts}, as looks reach {reach:.3g} m",
+            )
+        return finer(layers, parts)
+
+    def _airspace(self) -> Airspace | None:
+        """Where drones may be."""
+        area = self.layers.area
+        try:
+            if area is not None:
+                return Airspace(area.flyable(self.settings.area.margin_m, self.layers.obstacles))
+            if self.layers.shape is None or self.layers.cell_m is None:
+                return None
+            stones = self.layers.obstacles
+            free = np.ones(self.layers.shape, bool) if stones is None else ~stones
+            return Airspace.of_cells(free, self.layers.cell_m)
+        except InvalidProblemError as error:
+            self.faults.add("area", str(error), "expected ground to fly over")
+            return None
+
+    def _exactly(self, said: Any, cell: Place) -> Metres:
+        """A start or end in metres: as its coordinates say, or at the centre of its cell."""
+        assert self.layers.shape is not None
+        assert self.layers.cell_m is not None
+        area, cell_m = self.layers.area, self.layers.cell_m
+        if isinstance(said, str) and area is not None:
+            return area.points[said]
+        if isinstance(said, OnGlobe) and self.layers.first is not None:
+            row, col = Georeference.of(self.layers.first).cells([[said.lat, said.lon]])[0]
+        else:
+            row, col = self._finer_cell(cell)
+        return float(col * cell_m), float((self.layers.shape[0] - 1 - row) * cell_m)
+
+    def _finer_cell(self, cell: Place) -> tuple[float, float]:
+        """Row and column, as fractions, of the middle of a cell of the map as it came."""
+        assert self.coarse.cell_m is not None
+        assert self.layers.cell_m is not None
+        parts = round(self.coarse.cell_m / self.layers.cell_m)
+        return cell[0] * parts + (parts - 1) / 2, cell[1] * parts + (parts - 1) / 2
+
+    @cached_property
+    def terrain(self) -> Terrain | None:
+        """The surface that flights follow."""
+        area = self.layers.area
+        if area is None or area.elevation is None or self.layers.cell_m is None:
+            return None
+        return Terrain(area.elevation, self.layers.cell_m).smoothed(SMOOTHED_CELLS * self.layers.cell_m)
+
+    # ------------------------------------------------------------ sorties
+
+    def _pace(self, number: int) -> Pace:
+        said, vehicle = self.settings.searcher[number], self.vehicles[number]
+        sharp = inf
+        if self.settings.sensor.camera is not None:
+            _, sharp = camera_sight(self.faults, self.settings.sensor.camera)
+        if vehicle is None:
+            assert said.speed_mps is not None
+            assert said.accel_mps2 is not None
+            return Pace(min(said.speed_mps, sharp), said.accel_mps2)
+        wind = (0.0, 0.0) if self.settings.wind is None else self.settings.wind.blows_to
+        pace = vehicle.pace(self.altitudes[number], wind, self.terrain)
+        asked = min(pace.speed_mps, said.speed_mps or inf, sharp)
+        limits = pace.airspeed_mps, pace.wind, pace.climb_mps, pace.descent_mps, pace.terrain
+        return Pace(asked, said.accel_mps2 or pace.accel_mps2, *limits)
+
+    def _flights(self, number: int, said: Searching, vehicle: Vehicle | None) -> list[tuple[Sortie, float, float]]:
+        """Every sortie of one drone with its seconds on legs, and when the first of them begins."""
+        altitude, whole = self.altitudes[number], self.settings.budget.seconds
+        if vehicle is None:
+            if whole is None:
+                expected = "expected seconds, or a vehicle file that says how long a battery lasts"
+                self.faults.add("budget.seconds", "nothing came", expected)
+                return []
+            return [(Sortie(number, 0, altitude), whole, 0.0)]
+        up, down, lasts = vehicle.climb_s(altitude), vehicle.landing_s(altitude), vehicle.flying_s(altitude)
+        if lasts < SHORTEST_S:
+            came = (
+                f"{said.vehicle} has {max(lasts, 0.0):.0f} s left of a battery after its reserve, climbing and landing"
+            )
+            self.faults.add(f"searcher[{number}].vehicle", came, "expected a longer endurance or a lower altitude_m")
+            return []
+        found, begins = [], 0.0
+        for battery in range(said.batteries):
+            left = inf if whole is None else whole - begins - up - down
+            if left < SHORTEST_S:
+                break
+            found.append((Sortie(number, battery, altitude, up, down, vehicle), min(lasts, left), begins + up))
+            begins += up + lasts + down + vehicle.swap_s
+        if len(found) < said.batteries:
+            self.notes += (
+                f"drone {number}: {len(found)} of {said.batteries} batteries are flown: budget.seconds ends then",
+            )
+        if not found:
+            came = f"{whole:g} s came, and {said.vehicle} takes {up + down:.0f} s to climb and land"
+            self.faults.add("budget.seconds", came, "expected more time")
+        return found
+
+    # ------------------------------------------------------------ the problem
+
+    def _swath(self, grid: Grid, sight: Sight) -> Swath | None:
+        sensor = self.settings.sensor
+        radius = self.radius_m
+        try:
+            if sensor.sweep_width_m is None:
+                assert radius is not None
+                swath = Swath.of_glimpse(grid, sight.glimpse, radius)
+            else:
+                width = self.layers.sweep_width
+                assert width is not None
+                swath = Swath.of_width(grid, width, radius, "cube" if sensor.law == "inverse_cube" else "even")
+        except InvalidProblemError as error:
+            self.faults.add("sensor", str(error), "expected a sensor that can be so")
+            return None
+        if swath.radius_m < grid.cell_m / 2:
+            came = f"looks reach {swath.radius_m:.3g} m, and cells are {grid.cell_m:g} m"
+            self.faults.add(
+                "sensor.radius_m", came, f"expected at least half a cell, {grid.cell_m / 2:g} m; or finer cells"
+            )
+        return swath
+
+    def problem(self, sight: Sight) -> SearchProblem:
+        """The search as planners are asked it.
+
+        Raises
+        ------
+        DataFormatError        where a place is not in the airspace, or cannot be reached in time
+        """
+        assert self.layers.shape is not None
+        assert self.layers.cell_m is not None
+        assert self.space is not None
+        grid = Grid(self.layers.shape, "square8", self.layers.cell_m)
+        swath = self._swath(grid, sight)
+        searchers, sorties = [], []
+        for number, (said, vehicle) in enumerate(zip(self.settings.searcher, self.vehicles, strict=True)):
+            flights = self._flights(number, said, vehicle)
+            start, end = self.places[number]
+            if swath is None or not flights or start is None:
+                continue
+            pace, home = self._pace(number), self._exactly(said.start, start)
+            goal = None if end is None else self._exactly(said.end, end)
+            for sortie, budget_s, departs_s in flights:
+                lands = goal if goal is not None or vehicle is None else home
+                found = self._searcher(number, budget_s, home, lands, pace, swath, departs_s)
+                if found is not None:
+                    searchers.append(found)
+                    sorties.append(sortie)
+        if len(sorties) > MOST_SORTIES:
+            self.faults.add("searcher", f"{len(sorties)} sorties came", f"expected at most {MOST_SORTIES}")
+        self.faults.refuse()
+        self.sorties = tuple(sorties)
+        problem = SearchProblem(grid, effort_gains(sight.theta), tuple(searchers), sight.objective)
+        return problem
+
+    def _searcher(
+        self,
+        number: int,
+        budget_s: float,
+        home: Metres,
+        end: Metres | None,
+        pace: Pace,
+        swath: Swath,
+        departs_s: float,
+    ) -> Searcher | None:
+        key = f"searcher[{number}]"
+        assert self.space is not None
+        try:
+            moves = LegMoves(self.space, pace, swath, home, end, departs_s)
+        except InvalidProblemError as error:
+            came, _, expected = str(error).partition("; ")
+            which = "end" if came.startswith("end") else "start"
+            self.faults.add(f"{key}.{which}", came, f"expected a place in the area: {expected}")
+            return None
+        searcher = Searcher(self._under(home), budget_s, None if end is None else self._under(end), moves)
+        try:
+            moves.check(Grid(self.layers.shape or (1, 1), "square8", self.layers.cell_m or 1.0), searcher)
+        except InvalidProblemError as error:
+            came, _, more = str(error).partition("; ")
+            self.faults.add(f"{key}.end", came, f"expected a place that can be reached in time: {more}".rstrip(": "))
+            return None
+        return searcher
+
+    def _under(self, place: Metres) -> Place:
+        """The cell beneath a place."""
+        assert self.layers.shape is not None
+        assert self.layers.cell_m is not None
+        height, width = self.layers.shape
+        row, col = height - 1 - round(place[1] / self.layers.cell_m), round(place[0] / self.layers.cell_m)
+        return min(max(row, 0), height - 1), min(max(col, 0), width - 1)
