@@ -138,6 +138,41 @@ PLANNERS: dict[str, Entry] = {
         ("Kuhlman2017",),
         moves=("regions",),
     ),
+    "parallel-track": Entry(
+        "sooner.planners.patterns:ParallelTrack",
+        "Along legs: the search manuals' baseline; even coverage of ground where the person may be anywhere.",
+        ("IAMSAR2019",),
+        moves=("legs",),
+    ),
+    "creeping-line": Entry(
+        "sooner.planners.patterns:CreepingLine",
+        "Along legs: a baseline; as parallel-track, but one end of the ground is searched first.",
+        ("IAMSAR2019",),
+        moves=("legs",),
+    ),
+    "expanding-square": Entry(
+        "sooner.planners.patterns:ExpandingSquare",
+        "Along legs: a baseline; outwards from the likeliest place, where that is known closely.",
+        ("IAMSAR2019",),
+        moves=("legs",),
+    ),
+    "sector": Entry(
+        "sooner.planners.patterns:Sector",
+        "Along legs: a baseline; over and over the likeliest place, where that is known very closely.",
+        ("IAMSAR2019",),
+        moves=("legs",),
+    ),
+    "contour": Entry(
+        "sooner.planners.patterns:Contour",
+        "Along legs: a baseline for steep ground whose elevation is given; from the top down along contour lines.",
+        ("IAMSAR2019",),
+        moves=("legs",),
+    ),
+    "no-gap": Entry(
+        "sooner.planners.patterns:NoGap",
+        "Along legs: you must say that the ground was searched; nothing is left unseen while the batteries last.",
+        moves=("legs",),
+    ),
 }
 
 

@@ -119,7 +119,7 @@ def turned_points(points: NDArray[np.float64], angle: float) -> NDArray[np.float
 
 
 def _parts(part: Any, height: float) -> list[Lane]:
-    found = [shapely.get_coordinates(each)[:, 0] for each in shapely.get_parts(part) if each.geom_type == "LineString"]
+    found = [shapely.get_coordinates(each)[:, 0] for each in shapely.get_parts(part) if each.length > 0]
     return sorted(Lane(float(xs.min()), float(xs.max()), height) for xs in found)
 
 

@@ -1,0 +1,93 @@
+"""Expanding square and sector searches as planners [IAMSAR2019, vol. III, pp. 12-10 and 12-11]."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.random import Generator
+
+from sooner.decomposition.patterns import Tracks, expanding_square, sector_search
+from sooner.planners.leg_ground import leg_searchers
+from sooner.planners.patterns.best_of import best_of
+from sooner.planners.patterns.checked import check_datum, check_overlap, check_positive
+from sooner.planners.patterns.searched import Searched
+from sooner.planners.planner import Ticks
+from sooner.problem import SearchProblem
+
+__all__ = ["ExpandingSquare", "Sector"]
+
+_RADII = (1.0, 1.5, 2.0, 3.0, 5.0)  # track spacings at the rim, where legs lie one radius apart
+
+
+@dataclass(frozen=True)
+class ExpandingSquare:
+    """Outwards in squares from the datum; the first leg in any of eight directions, the judge chooses.
+
+    Parameters
+    ----------
+    datum : (float, float) or None   metres in the frame of `Grid.centres_m`; None: where the POC peaks
+    spacing_m : float or None        between tracks; None: the swath's width less the overlap, or by sweep width
+    overlap : float                  share of the swath that neighbours see both
+    """
+
+    datum: tuple[float, float] | None = None
+    spacing_m: float | None = None
+    overlap: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_datum(self.datum)
+        check_positive("spacing_m", self.spacing_m)
+        check_overlap(self.overlap)
+
+    def handles(self, problem: SearchProblem) -> str | None:
+        """Sorties along legs, any number of them."""
+        return leg_searchers(problem)
+
+    def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
+        """Yield the best after every spacing and direction."""
+        return best_of(problem, self._drawn)
+
+    def _drawn(self, searched: Searched) -> Iterator[Tracks]:
+        datum = searched.datum if self.datum is None else self.datum
+        if datum is None:
+            return
+        for spacing in searched.spacings(self.spacing_m, self.overlap):
+            for eighth in range(8):
+                yield expanding_square(searched.free, datum, spacing, eighth * np.pi / 4)
+
+
+@dataclass(frozen=True)
+class Sector:
+    """Triangles that meet in the datum, two passes of them; of several radii and directions the judge chooses.
+
+    Parameters
+    ----------
+    datum : (float, float) or None   metres in the frame of `Grid.centres_m`; None: where the POC peaks
+    radius_m : float or None         of the pattern; None: of several the best
+    """
+
+    datum: tuple[float, float] | None = None
+    radius_m: float | None = None
+
+    def __post_init__(self) -> None:
+        check_datum(self.datum)
+        check_positive("radius_m", self.radius_m)
+
+    def handles(self, problem: SearchProblem) -> str | None:
+        """Sorties along legs, any number of them."""
+        return leg_searchers(problem)
+
+    def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
+        """Yield the best after every radius and direction."""
+        return best_of(problem, self._drawn)
+
+    def _drawn(self, searched: Searched) -> Iterator[Tracks]:
+        datum = searched.datum if self.datum is None else self.datum
+        if datum is None:
+            return
+        spacing = searched.spacings(None, 0.0)[0]
+        for radius in [self.radius_m] if self.radius_m else [spacing * times for times in _RADII]:
+            for turn in range(4):
+                yield sector_search(searched.free, datum, radius, turn * np.pi / 6, passes=2)
