@@ -141,6 +141,15 @@ class Airspace:
         x, y = np.asarray(points, np.float64).reshape(-1, 2).T
         return np.asarray(shapely.contains_xy(self.inner, x, y))
 
+    def joined(self, place: ArrayLike, points: ArrayLike) -> NDArray[np.bool_]:
+        """(n,) bool: which places, (n, 2), planners may fly to from another: those in the same part of `inner`."""
+        home, (x, y) = np.asarray(place, np.float64), np.asarray(points, np.float64).reshape(-1, 2).T
+        for part in shapely.get_parts(self.inner):
+            if shapely.contains_xy(part, *home):
+                shapely.prepare(part)
+                return np.asarray(shapely.contains_xy(part, x, y))
+        return np.zeros(len(x), bool)
+
     def clear(self, start: ArrayLike, end: ArrayLike) -> bool:
         """Whether the straight leg between two places that planners may fly to is free."""
         from sooner.grid._airspace_kernels import clear

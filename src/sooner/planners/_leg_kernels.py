@@ -73,9 +73,10 @@ def replace(
     """
     count = counts[r]
     old = j - i - 1
-    if count + m - old > points.shape[1] or i + 1 + m + (count - j) < 2:
+    after = count + m - old
+    if after > points.shape[1] or (after < 2 and not checked):
         return False, 0.0, 0.0
-    longer = 0.0
+    longer, x0, y0 = 0.0, points[r, 0, 0], points[r, 0, 1]
     last = min(j, count - 1)
     for k in range(i, last):
         longer -= leg_s(points[r, k, 0], points[r, k, 1], points[r, k + 1, 0], points[r, k + 1, 1], *pace)
@@ -98,6 +99,8 @@ def replace(
                 return False, 0.0, 0.0
             x, y = nx, ny
     change = 0.0
+    if count == 1:  # it stood at home and looked around
+        change += put(x0, y0, x0, y0, -1.0, effort, poc, ground, sight, cells, worth, at)
     for k in range(i, last):
         change += put(
             points[r, k, 0], points[r, k, 1], points[r, k + 1, 0], points[r, k + 1, 1],
@@ -110,6 +113,8 @@ def replace(
         nx, ny = (new[k, 0], new[k, 1]) if k < m else (points[r, j, 0], points[r, j, 1])
         change += put(x, y, nx, ny, 1.0, effort, poc, ground, sight, cells, worth, at)
         x, y = nx, ny
+    if after == 1:
+        change += put(x0, y0, x0, y0, 1.0, effort, poc, ground, sight, cells, worth, at)
     more = m - old
     if more > 0:
         for k in range(count - 1, j - 1, -1):
@@ -119,7 +124,7 @@ def replace(
             points[r, k + more, 0], points[r, k + more, 1] = points[r, k, 0], points[r, k, 1]
     for k in range(m):
         points[r, i + 1 + k, 0], points[r, i + 1 + k, 1] = new[k, 0], new[k, 1]
-    counts[r] = count + more
+    counts[r] = after
     seconds[r] += longer
     return True, change, longer
 

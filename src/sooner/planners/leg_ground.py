@@ -37,6 +37,8 @@ def leg_searchers(problem: SearchProblem) -> str | None:
         assert isinstance(each, LegMoves)
         if each.airspace is not first.airspace or each.swath is not first.swath:
             return "it plans drones that share one airspace and one sensor"
+        if not all(np.array_equal(a, b) for a, b in zip(each.pace.arrays(), first.pace.arrays(), strict=True)):
+            return "it plans drones that fly alike"
     if problem.gains.table.shape[1] != 1 or not np.allclose(problem.gains.ratio, np.exp(-1.0)):
         return "it plans gains of effort (`effort_gains`)"
     return None
@@ -92,7 +94,7 @@ class LegGround:
         rows, cols = np.divmod(np.arange(grid.n_cells), grid.shape[1])
         of = (height - 1 - (grid.shape[0] - 1 - rows) // times) * width + cols // times
         parts = np.bincount(of, minlength=height * width)
-        poc = np.bincount(of, self.poc, minlength=height * width)
+        poc: NDArray[np.float64] = np.bincount(of, self.poc, minlength=height * width).astype(np.float64)
         pays = np.bincount(of, self.within_reach, minlength=height * width)
         strength = np.bincount(of, swath.strength, minlength=height * width) / np.maximum(parts, 1)
         cell_m, radius = times * float(grid.cell_m), float(swath.radius_m)
@@ -147,6 +149,10 @@ class LegGround:
             back = 0.0 if end is None else far if end == home else space.metres_from(end, centres[sensible])
             found[sensible[(far + back) / _fastest(pace) <= budget]] = True
         return found
+
+    def reaches(self, number: int, places: Route) -> NDArray[np.bool_]:
+        """(n,) bool: which places one searcher can fly to at all."""
+        return self.moves[number].airspace.joined(self.moves[number].home, places)
 
     def seconds(self, number: int, route: Route) -> float:
         """How long a route of one searcher takes."""

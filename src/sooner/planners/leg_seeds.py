@@ -14,6 +14,7 @@ from sooner.planners.anneal import Anneal
 from sooner.planners.leg_ground import LegGround, Route, Routes
 from sooner.planners.planner import follow
 from sooner.problem import CellMoves, Gains, Searcher, SearchProblem
+from sooner.problem.leg_moves import place_numbers, places_of
 
 __all__ = ["first_routes", "lane_routes", "lattice_routes"]
 
@@ -51,9 +52,10 @@ def _shared(ground: LegGround, inner: Route) -> tuple[list[Route], bool]:
     """Places in order, as routes of one searcher after the other, and whether all of them fit."""
     routes = []
     for number in range(len(ground.moves)):
-        route, used = ground.fitting(number, inner)
+        own = np.flatnonzero(ground.reaches(number, inner))
+        route, used = ground.fitting(number, inner[own])
         routes.append(route)
-        inner = inner[max(used - 1, 0) if 0 < used < len(inner) else used :]
+        inner = np.delete(inner, own[: used - 1 if 0 < used < len(own) else used], axis=0)
     return routes, len(inner) == 0
 
 
@@ -78,8 +80,8 @@ class _Lanes:
         first = offset.min() + (np.ptp(offset) - (len(lanes) - 1) * spacing) / 2
         steps = np.arange(run.min(), run.max() + spacing / 2, spacing / 2)
         places = (first + lanes * spacing)[:, None, None] * across + steps[None, :, None] * along
-        places = places.reshape(-1, 2)
-        held = moves.airspace.sees(places)
+        places = places_of(place_numbers(places.reshape(-1, 2)))
+        held = np.any([ground.reaches(number, places) for number in range(len(ground.moves))], axis=0)
         self.lane, self.places = np.repeat(lanes, len(steps))[held], places[held]
         cols = np.clip(np.rint(self.places[:, 0] / grid.cell_m).astype(int), 0, grid.shape[1] - 1)
         rows = np.clip(grid.shape[0] - 1 - np.rint(self.places[:, 1] / grid.cell_m).astype(int), 0, grid.shape[0] - 1)
@@ -126,13 +128,17 @@ def lattice_routes(ground: LegGround, angle: float, pitch: float, rng: Generator
     mass = np.bincount(
         (rows[near] - top) * shape[1] + cols[near] - west, ground.poc[near], minlength=shape[0] * shape[1]
     )
+    nodes = places_of(place_numbers(nodes))
     detect = 1.0 if moves.swath.law == "seen" else 1.0 - np.exp(-moves.swath.width_m / pitch)
-    obstacles = ~moves.airspace.sees(nodes).reshape(shape)
+    obstacles = ~ground.reaches(0, nodes).reshape(shape)
     home = (-top, -west)
     obstacles[home] = False
     coarse = Grid(shape, "square4", pitch, obstacles if obstacles.any() else None)
     gains, routes = Gains.independent(mass, np.full(len(mass), detect)), []
     for number in range(len(ground.moves)):
+        if not ground.reaches(number, np.array([moves.home])).all():
+            routes.append(ground.least(number))
+            continue
         route, walk = _walked(ground, number, coarse, gains, nodes, home, rng)
         looked = np.bincount(walk, minlength=len(mass))
         gains = gains.after(looked)
