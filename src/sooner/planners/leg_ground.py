@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sooner.motion.pace import Pace
 from sooner.planners import _leg_kernels as kernels
 from sooner.problem import Plan, SearchProblem
 from sooner.problem.leg_moves import LegMoves, place_numbers, places_of
@@ -37,11 +38,16 @@ def leg_searchers(problem: SearchProblem) -> str | None:
         assert isinstance(each, LegMoves)
         if each.airspace is not first.airspace or each.swath is not first.swath:
             return "it plans drones that share one airspace and one sensor"
-        if not all(np.array_equal(a, b) for a, b in zip(each.pace.arrays(), first.pace.arrays(), strict=True)):
+        if not _alike(each.pace, first.pace):
             return "it plans drones that fly alike"
     if problem.gains.table.shape[1] != 1 or not np.allclose(problem.gains.ratio, np.exp(-1.0)):
         return "it plans gains of effort (`effort_gains`)"
     return None
+
+
+def _alike(one: Pace, other: Pace) -> bool:
+    pairs = zip(map(np.asarray, one.arrays()), map(np.asarray, other.arrays()), strict=True)
+    return all(np.array_equal(here, there) for here, there in pairs)
 
 
 @dataclass(frozen=True, eq=False)
