@@ -232,6 +232,14 @@ def test_drawings_lie_beside_a_raster_that_is_the_grid_itself(folder):
     assert "home" in found.area.points
 
 
+def test_ground_that_is_alike_but_for_rounding_is_cut_into_regions(folder):
+    raster(folder / "even.tif", np.ones((24, 24)))
+    searcher = 'start = "launch"\nmoves = "regions"\nspeed_mps = 5\naccel_mps2 = 2'
+    sensor = 'glimpse = "even.tif"\nradius_m = 60'
+    read = read_mission(mission(folder, POLYGON, searcher, sensor, "seconds = 300"))
+    assert read.problem.searchers
+
+
 def test_a_map_in_degrees_is_laid_on_a_grid_of_metres(folder):
     raster(folder / "poc.tif", np.random.default_rng(3).random((24, 24)))
     found = layers(mission(folder, 'poc = "poc.tif"'))
@@ -354,6 +362,20 @@ BAD = {
         ("class 1",),
     ),
     "classes without a map": (POLYGON, START, "land_cover = { 7 = 0.5 }", "area.land_cover", ("nothing came",)),
+    "land cover without a table": (
+        POLYGON + '\nland_cover = "poc.tif"',
+        START,
+        "",
+        "sensor.land_cover",
+        ("nothing came",),
+    ),
+    "rings of a thousand kilometres": (
+        'points = "area.geojson"\n[area.last_known]\nplace = "launch"\nrings_m = [1e6]\nquantiles = [0.5]',
+        START,
+        "",
+        "area.last_known",
+        ("100 km",),
+    ),
     "hexagons": (POLYGON + '\ngrid = "hex"', START, "", "area.grid", ("square cells",)),
     "too many cells": ('polygon = "area.geojson"\ncell_m = 0.1', START, "", "area.polygon", ("at most 20,000,000",)),
     "an unknown frame": (POLYGON + '\nframe = "EPSG:1"', START, "", "area.frame", ("EPSG:32632",)),

@@ -115,6 +115,8 @@ def gain_classes(
 
 def _borders(gains: NDArray[np.float64], levels: int, apart: float) -> NDArray[np.float64]:
     """Gains at which classes part, halfway between neighbouring means."""
+    if np.ptp(gains) <= 1e-9 * gains.max():  # alike but for rounding
+        return np.empty(0)
     counts, edges = np.histogram(gains, 512)
     middles, occupied = (edges[1:] + edges[:-1]) / 2, counts > 0
     middles, counts = middles[occupied], counts[occupied]

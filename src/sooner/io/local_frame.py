@@ -46,6 +46,7 @@ def projection(name: str) -> str:
     >>> projection("epsg:32632")
     'EPSG:32632'
     """
+    from rasterio import Env
     from rasterio.crs import CRS
     from rasterio.errors import CRSError
 
@@ -54,7 +55,8 @@ def projection(name: str) -> str:
     if not (name.upper().startswith("EPSG:") and number.isascii() and number.isdigit() and len(number) <= 6):
         raise InvalidProblemError(f"{name!r} came; {expected}")
     try:
-        crs = CRS.from_epsg(int(number))
+        with Env():  # which keeps what GDAL says off the terminal
+            crs = CRS.from_epsg(int(number))
     except CRSError:
         raise InvalidProblemError(f"{name!r} came, which nobody knows; {expected}") from None
     if not crs.is_projected:

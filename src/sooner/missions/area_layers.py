@@ -136,7 +136,7 @@ def _around(
         if sketch.last_known is None or not rings:
             return "area.last_known", None, side, ()
         lon, lat = sketch.last_known
-        near = LocalFrame.around(shapely.Point(lon, lat), 1.0, max(rings))
+        near = LocalFrame.around(shapely.Point(lon, lat), max(rings), 0.0)
         turns = np.linspace(0.0, 2.0 * np.pi, 16 * DISC_CORNERS, endpoint=False)
         circle = np.column_stack([np.cos(turns), np.sin(turns)]) * max(rings) + near.metres([[lat, lon]])
         return "area.last_known", shapely.Polygon(near.places(circle)[:, ::-1]), side, ()

@@ -14,18 +14,27 @@ from sooner.missions.drawings import Drafts, is_drawn
 from sooner.missions.faults import Faults
 from sooner.missions.settings import LandCover, Settings
 
-__all__ = ["ELSE", "class_glimpse"]
+__all__ = ["ELSE", "check_land_cover", "class_glimpse"]
 
 ELSE = "else"  # the class of ground that has none, or one that is not in the table
 
 Floats = NDArray[np.float64]
 
 
+def check_land_cover(faults: Faults, settings: Settings) -> None:
+    """Classes of ground need a table of what a look detects there, and the table needs them."""
+    table, said = settings.sensor.land_cover, settings.area.land_cover
+    if table is not None and said is None and not faults.among("area.land_cover"):
+        faults.add("area.land_cover", "nothing came beside sensor.land_cover", "expected classes of ground")
+    elif said is not None and table is None and not faults.among("sensor.land_cover"):
+        expected = "expected P(detect in one look) of each class"
+        faults.add("sensor.land_cover", "nothing came beside area.land_cover", expected)
+
+
 def class_glimpse(faults: Faults, settings: Settings, ground: Ground) -> Floats | None:
     """(H, W) float: P(detect in one look) of each cell, by its class; of polygons, the mean over its ground."""
     table, said = settings.sensor.land_cover, settings.area.land_cover
     if said is None:
-        faults.add("area.land_cover", "nothing came beside sensor.land_cover", "expected classes of ground")
         return None
     said = LandCover(file=said) if isinstance(said, str) else said
     if said.file is None:

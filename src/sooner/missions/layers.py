@@ -13,6 +13,7 @@ from sooner.io import Raster, read_raster
 from sooner.missions.area_layers import lies_on_globe
 from sooner.missions.drawings import is_drawn
 from sooner.missions.faults import Faults
+from sooner.missions.land_cover import check_land_cover
 from sooner.missions.layers_on_ground import drawn_beside, layers_on_ground
 from sooner.missions.real_area import RealArea
 from sooner.missions.settings import Settings
@@ -56,6 +57,7 @@ class Layers:
     @classmethod
     def read(cls, faults: Faults, settings: Settings) -> Layers:
         """Read them all; what is wrong is added to the faults."""
+        check_land_cover(faults, settings)
         if lies_on_globe(faults, settings):
             return cls(**layers_on_ground(faults, settings))
         area, sensor = settings.area, settings.sensor

@@ -1,4 +1,5 @@
 import json
+import random
 import sqlite3
 import tracemalloc
 import zipfile
@@ -331,3 +332,23 @@ def test_other_suffixes_and_layers_of_no_geopackage_are_refused(tmp_path):
     refused(written(tmp_path, "x", "a.shp"), "'.shp'", ".geojson")
     refused(written(tmp_path, point(1, 2)), "only a .gpkg has layers", layer="a")
     refused(tmp_path / "none.kml", "no such file")
+
+
+@pytest.mark.parametrize("suffix", ["geojson", "gpkg", "kml", "kmz", "gpx"])
+def test_mutated_files_are_read_or_refused(tmp_path, suffix):
+    shape = shapely.Point(LON, LAT) if suffix == "gpx" else HOLED
+    layer = "waypoints" if suffix == "gpx" else None
+    whole = write(tmp_path / f"whole.{suffix}", [shape], layer=layer, name=["launch"]).read_bytes()
+    rng = random.Random(7)
+    refusals = 0
+    for _ in range(300):
+        data = bytearray(whole)
+        for _ in range(rng.choice([1, 2, 8])):
+            at = rng.randrange(len(data))
+            data[at : at + rng.choice([0, 1, 4, 100])] = rng.choice([b"", b"\xff\xff\xff\xff", b"null", b"\x00", b"<"])
+        path = written(tmp_path, bytes(data), f"mutated.{suffix}")
+        try:
+            read_features(path)
+        except DataFormatError:
+            refusals += 1
+    assert refusals > 50

@@ -75,15 +75,17 @@ def _on_globe(path: Path, drawn: list[Drawn], crs: str) -> list[Drawn]:
     """The same in longitude and latitude."""
     if not crs or not drawn:
         return drawn
+    from rasterio import Env
     from rasterio.crs import CRS
     from rasterio.errors import CRSError, RasterioError
     from rasterio.warp import transform
 
     try:
-        if crs.startswith("EPSG:"):
-            source = CRS.from_epsg(int(crs.removeprefix("EPSG:")))
-        else:
-            source = CRS.from_wkt(crs[:MOST_BYTES_OF_WKT])
+        with Env():  # which keeps what GDAL says off the terminal
+            if crs.startswith("EPSG:"):
+                source = CRS.from_epsg(int(crs.removeprefix("EPSG:")))
+            else:
+                source = CRS.from_wkt(crs[:MOST_BYTES_OF_WKT])
     except (CRSError, ValueError, OverflowError) as error:
         expected = "expected a known one: save the file again in EPSG:4326"
         raise refusal(path, "", f"a projection that cannot be used came ({error})"[:200], expected) from None
