@@ -369,6 +369,13 @@ BAD = {
         "sensor.land_cover",
         ("nothing came",),
     ),
+    "no rings": (
+        'points = "area.geojson"\n[area.last_known]\nplace = "launch"\nrings_m = []\nquantiles = [0.5]',
+        START,
+        "",
+        "area.last_known.rings_m",
+        ("nothing came",),
+    ),
     "rings of a thousand kilometres": (
         'points = "area.geojson"\n[area.last_known]\nplace = "launch"\nrings_m = [1e6]\nquantiles = [0.5]',
         START,

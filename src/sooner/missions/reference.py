@@ -46,6 +46,30 @@ speed_mps = 12.0
 seconds = 1800                # or steps = 900
 ```
 
+An area that is drawn, at a command post:
+
+```toml
+[area]
+polygon = "search.geojson"    # or .gpkg, .kml, .kmz, .gpx; CalTopo exports as they are
+no_fly = ["village.kml", { file = "masts.gpx", radius_m = 80 }]
+margin_m = 15
+points = "launch.gpx"         # whose titles start and end may name
+elevation = "terrain.tif"     # rasters in any projection
+cell_m = 20.0
+[area.last_known]             # or poc = "poc.tif", or segments = "segments.gpkg", or none: anywhere alike
+place = { lat = 46.1, lon = 11.2 }
+rings_m = [300, 900, 2000]
+quantiles = [0.25, 0.5, 0.95]
+[sensor]
+glimpse = 0.7
+[[searcher]]
+start = "launch"
+end = "launch"
+speed_mps = 10.0
+[budget]
+seconds = 1500
+```
+
 A search over regions, of evidence:
 
 ```toml
@@ -176,10 +200,15 @@ def reference_page() -> str:
         "evidence or in bits, false alarms over `poc`, correlated looks but for detection over `poc`."
     )
     parts.append(
-        "## Georeference\n\nA GeoTIFF must be in a projection in metres or feet, with square cells, north up. Its cell "
-        "size goes before `cell_m`, which must agree where both are given; rasters of one mission must lie on the same "
-        'cells. "No data" counts as 0 in `poc` and `evidence` and as free ground in `obstacles`. Files that '
-        "aircraft fly (`sooner export`, `sooner plan --format`) need the georeference of `poc` or `evidence`."
+        "## Georeference\n\nA GeoTIFF in a projection in metres or feet, with square cells, north up, is the grid "
+        "itself: its cell size goes before `cell_m`, which must agree where both are given, and the mission's other rasters "
+        "must lie on the same cells. Any other GeoTIFF, in degrees say, and every one where `polygon`, `segments`, "
+        "`last_known` or `frame` is given, is brought to a grid of metres over the area: `poc` by the ground that "
+        "cells have in common, so that no probability is lost; difficulty, glimpse and evidence by their mean over a "
+        "cell; classes at its centre; elevation between centres; an obstacle on any part of a cell shuts it. The notes "
+        "of a plan say how true the metres are. Over cells and regions drones enter cells that lie wholly in the area, "
+        'off `no_fly` and their margins. "No data" counts as 0 in `poc` and `evidence` and as free ground '
+        "in `obstacles`. Files that aircraft fly (`sooner export`, `sooner plan --format`) need the georeference of `poc` or `evidence`."
     )
     parts.append(_STREETS.strip())
     return "\n\n".join(parts) + "\n"

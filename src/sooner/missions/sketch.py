@@ -181,7 +181,7 @@ def _last_known(
 ) -> tuple[float, float] | None:
     key = "area.last_known"
     for name in ("place", "rings_m", "quantiles"):
-        if getattr(said, name) is None and f"{key}.{name}" not in faults.wrong:
+        if getattr(said, name) in (None, []) and not {key, f"{key}.{name}"} & faults.wrong:
             faults.add(f"{key}.{name}", "nothing came", "expected place, rings_m and quantiles together")
     if isinstance(said.place, str):
         found: tuple[float, float] | None = named_place(faults, f"{key}.place", said.place, points, twice)
