@@ -201,14 +201,15 @@ def reference_page() -> str:
     )
     parts.append(
         "## Georeference\n\nA GeoTIFF in a projection in metres or feet, with square cells, north up, is the grid "
-        "itself: its cell size goes before `cell_m`, which must agree where both are given, and the mission's other rasters "
-        "must lie on the same cells. Any other GeoTIFF, in degrees say, and every one where `polygon`, `segments`, "
-        "`last_known` or `frame` is given, is brought to a grid of metres over the area: `poc` by the ground that "
-        "cells have in common, so that no probability is lost; difficulty, glimpse and evidence by their mean over a "
-        "cell; classes at its centre; elevation between centres; an obstacle on any part of a cell shuts it. The notes "
-        "of a plan say how true the metres are. Over cells and regions drones enter cells that lie wholly in the area, "
-        'off `no_fly` and their margins. "No data" counts as 0 in `poc` and `evidence` and as free ground '
-        "in `obstacles`. Files that aircraft fly (`sooner export`, `sooner plan --format`) need the georeference of `poc` or `evidence`."
+        "itself: its cell size goes before `cell_m`, which must agree where both are given, and the mission's other "
+        "rasters must lie on the same cells. Any other GeoTIFF, in degrees say, and every one where `polygon`, "
+        "`segments`, `last_known` or `frame` is given, is brought to a grid of metres over the area: `poc` by the "
+        "ground that cells have in common, so that no probability is lost; difficulty, glimpse and evidence by their "
+        "mean over a cell; classes at its centre; elevation between centres; an obstacle on any part of a cell shuts "
+        "it. The notes of a plan say how true the metres are. Over cells and regions drones enter cells that lie "
+        'wholly in the area, off `no_fly` and their margins. "No data" counts as 0 in `poc` and `evidence` and as '
+        "free ground in `obstacles`. Files that aircraft fly (`sooner export`, `sooner plan --format`) need the "
+        "georeference of `poc` or `evidence`."
     )
     parts.append(_STREETS.strip())
     return "\n\n".join(parts) + "\n"
