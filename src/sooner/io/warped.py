@@ -17,11 +17,23 @@ from sooner.io.georeference import Georeference, ground_m
 from sooner.io.rasters import MAX_CELLS
 from sooner.io.reading import opened
 
-__all__ = ["Warped", "extent", "largest", "mass_on", "mean_on", "sampled_on", "square_and_upright"]
+__all__ = [
+    "WITHIN",
+    "Warped",
+    "extent",
+    "is_within",
+    "largest",
+    "mass_on",
+    "mean_on",
+    "sampled_on",
+    "square_and_upright",
+]
 
 Floats = NDArray[np.float64]
 
 NODES = 48  # along each side of a grid, where its places are worked out; between them by cubic splines
+WITHIN = {"SOONER_MASS": "within the search area"}
+"""What a GeoTIFF of probability says of itself whose cells on the border hold only what lies within."""
 _EXPECTED = "expected a GeoTIFF with one band, a projection and its place in it"
 
 
@@ -102,6 +114,13 @@ def _checked(path: Path, file: Any) -> _Source:
     if not (file.crs.is_projected or file.crs.is_geographic):
         raise refuse(f"a projection that is none came ({file.crs.to_string()})"[:200])
     return _Source(path, file, file.crs.to_wkt(), at)
+
+
+def is_within(path: Path) -> bool:
+    """Whether a raster says that its mass lies within the search area already, as a debrief's does: `WITHIN`."""
+    with _source(path) as source:
+        tags: dict[str, str] = source.file.tags()
+    return all(tags.get(key) == value for key, value in WITHIN.items())
 
 
 def square_and_upright(path: Path) -> bool:

@@ -17,6 +17,7 @@ from sooner.errors import DataFormatError, Fault
 from sooner.io.georeference import Georeference
 from sooner.io.geotiff import geotiff
 from sooner.io.reading import bytes_of, read_toml, text_of
+from sooner.missions.debrief_ground import next_ground, tags_of
 from sooner.missions.mission_file import Mission
 
 __all__ = ["MISSION", "SEARCHED", "Searched", "next_files"]
@@ -109,9 +110,10 @@ def next_files(
         notes.append(f"a CDP of {target:g} cannot be reached any more: the next mission asks for the most by the end")
     kept = {"mission": MISSION, "name": searched.name, "pos": searched.pos, "flights": searched.flights}
     about = "probability that the person is there, after the flights so far"
-    files = {
+    files = next_ground(mission, ground, said)
+    files |= {
         MISSION: toml(said),
-        f"{key}.tif": geotiff(after, ground, about),
+        f"{key}.tif": geotiff(after, ground, about, tags_of(mission)),
         SEARCHED: (json.dumps(kept, allow_nan=False) + "\n").encode(),
     }
     return files, tuple(notes)

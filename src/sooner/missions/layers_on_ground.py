@@ -135,12 +135,13 @@ def _of_raster(
     faults: Faults, name: str, outside: float, ground: Ground, cut: bool
 ) -> tuple[Floats, float, float] | None:
     """A raster's mass on the grid, cut to what of each cell lies in the polygon where there is one."""
-    from sooner.io.warped import mass_on
+    from sooner.io.warped import is_within, mass_on
 
     frame = ground.frame
     found = brought(faults, "area.poc", name, lambda path: mass_on(path, frame.ground, frame.shape))
     if found is None:
         return None
+    cut = cut and not is_within(faults.path.parent / name)
     weights = found.values * ground.inside if cut else found.values
     on_grid = float(found.values.sum())
     kept = (1.0 - found.outside) * float(weights.sum()) / on_grid if on_grid > 0 else 0.0
