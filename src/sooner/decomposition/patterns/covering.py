@@ -19,7 +19,7 @@ __all__ = ["Covering", "covering"]
 
 _SURE = 1e-3  # of the radius, that is kept in hand so that rounding leaves no gap
 _CLOSER = (1.0, 0.95, 0.9)  # strips that are narrower than they must be let their lanes end earlier
-_MANY_LANES = 60
+_MANY_LANES = 80  # across the ground, beyond which less is tried, as it takes longer and matters less
 _MENDED = 8  # of the tries, the best, whose gaps are closed before the best is chosen
 _SEEN = 5e-3  # of the radius: what can only be seen from less near than that counts as out of sight
 
@@ -90,27 +90,27 @@ def covering(polygon: Any, radius: float, overlap: float = 0.0, free: Any = None
     unseen = polygon.difference(free.buffer(radius * (1 - _SEEN)))
     border = _border(ground, free, radius)
     spacing = 2 * radius * (1 - 2.5 * _SURE) * (1 - overlap)
+    many = float(np.hypot(*np.diff(np.reshape(ground.bounds, (2, 2)), axis=0)[0])) > _MANY_LANES * spacing
     tries = [
         _laned(ground, free, radius, spacing * closer, angle, border)
-        for angle in _angles(ground, spacing)
-        for closer in _CLOSER
+        for angle in _angles(ground, 4 if many else 18)
+        for closer in (_CLOSER[:1] if many else _CLOSER)
     ]
     tries.sort(key=lambda tracks: _cost(tracks, turn_m))
-    mends = [mended(tracks, ground, free, radius * (1 - _SURE)) for tracks in tries[:_MENDED]]
+    mends = [mended(tracks, ground, free, radius * (1 - _SURE)) for tracks in tries[: 2 if many else _MENDED]]
     return Covering(min(mends, key=lambda tracks: _cost(tracks, turn_m)), unseen)
 
 
 def _cost(tracks: Tracks, turn_m: float) -> float:
     """Metres along tracks and straight between them, and so many for each turn."""
-    points = np.concatenate(tracks)
+    points = np.concatenate([*tracks, np.zeros((0, 2))])
     return float(np.hypot(*np.diff(points, axis=0).T).sum()) + turn_m * len(points)
 
 
-def _angles(ground: Any, spacing: float) -> list[float]:
-    """Angles worth trying: along the ground and in equal turns from there, fewer where there are many lanes."""
-    west, south, east, north = ground.bounds
-    tried = 18 if max(east - west, north - south) < _MANY_LANES * spacing else 4
-    return [narrowest(ground) + k * np.pi / tried for k in range(tried)]
+def _angles(ground: Any, tried: int) -> list[float]:
+    """Angles worth trying: along the ground, and in equal turns from there."""
+    along = narrowest(ground)
+    return [along + k * np.pi / tried for k in range(tried)]
 
 
 def _border(ground: Any, free: Any, radius: float) -> Tracks:

@@ -27,7 +27,8 @@ class ExpandingSquare:
 
     Parameters
     ----------
-    datum : (float, float) or None   metres in the frame of `Grid.centres_m`; None: where the POC peaks
+    datum : (float, float) or None   metres in the frame of `Grid.centres_m`; None: where the POC peaks, or
+                                     the square that all sorties can cover holds most of it
     spacing_m : float or None        between tracks; None: the swath's width less the overlap, or by sweep width
     overlap : float                  share of the swath that neighbours see both
     """
@@ -50,12 +51,10 @@ class ExpandingSquare:
         return best_of(problem, self._drawn)
 
     def _drawn(self, searched: Searched) -> Iterator[Tracks]:
-        datum = searched.datum if self.datum is None else self.datum
-        if datum is None:
-            return
         for spacing in searched.spacings(self.spacing_m, self.overlap):
-            for eighth in range(8):
-                yield expanding_square(searched.free, datum, spacing, eighth * np.pi / 4)
+            for datum in searched.datums(spacing) if self.datum is None else [self.datum]:
+                for eighth in range(8):
+                    yield expanding_square(searched.free, datum, spacing, eighth * np.pi / 4)
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,8 @@ class Sector:
 
     Parameters
     ----------
-    datum : (float, float) or None   metres in the frame of `Grid.centres_m`; None: where the POC peaks
+    datum : (float, float) or None   metres in the frame of `Grid.centres_m`; None: where the POC peaks, or
+                                     the square that all sorties can cover holds most of it
     radius_m : float or None         of the pattern; None: of several the best
     """
 
@@ -84,10 +84,10 @@ class Sector:
         return best_of(problem, self._drawn)
 
     def _drawn(self, searched: Searched) -> Iterator[Tracks]:
-        datum = searched.datum if self.datum is None else self.datum
-        if datum is None:
-            return
         spacing = searched.spacings(None, 0.0)[0]
-        for radius in [self.radius_m] if self.radius_m else [spacing * times for times in _RADII]:
-            for turn in range(4):
-                yield sector_search(searched.free, datum, radius, turn * np.pi / 6, passes=2)
+        longest = [searched.flown_m() / (9 * passes) for passes in (1, 2)]
+        radii = sorted({min(spacing * times, longest[0]) for times in _RADII} | set(longest))
+        for radius in radii if self.radius_m is None else [self.radius_m]:
+            for datum in searched.datums(spacing) if self.datum is None else [self.datum]:
+                for turn in range(4):
+                    yield sector_search(searched.free, datum, radius, turn * np.pi / 6, passes=2)

@@ -69,16 +69,40 @@ class Searched:
         ranked: NDArray[np.int64] = pays[np.argsort(-self.ground.poc[pays], kind="stable")]
         return ranked
 
-    @cached_property
-    def datum(self) -> NDArray[np.float64] | None:
-        """(2,): where the person most likely is: of the likeliest cells the one nearest to their middle."""
+    def datums(self, spacing_m: float) -> list[NDArray[np.float64]]:
+        """(2,) each: where the person most likely is. None where nothing pays.
+
+        Of the likeliest cells the one nearest to their middle; and the middles of squares, as large as the sorties can
+        cover, that hold the most POC.
+        """
         if len(self.paying) == 0:
-            return None
+            return []
         centres = self.ground.problem.grid.centres_m[self.paying]
         poc = self.ground.poc[self.paying]
         likeliest = centres[poc >= poc[0] * (1 - 1e-9)]
-        place: NDArray[np.float64] = likeliest[np.argmin(np.hypot(*(likeliest - likeliest.mean(axis=0)).T))]
+        peak: NDArray[np.float64] = likeliest[np.argmin(np.hypot(*(likeliest - likeliest.mean(axis=0)).T))]
+        return [peak, *(self._richest(side_m) for side_m in self._sides_m(spacing_m))]
+
+    def _richest(self, side_m: float) -> NDArray[np.float64]:
+        """(2,): the middle of the square of that side that holds the most POC; of equals the one in their middle."""
+        from scipy.ndimage import uniform_filter
+
+        grid = self.ground.problem.grid
+        pays = np.zeros(grid.n_cells)
+        pays[self.paying] = self.ground.poc[self.paying]
+        cells = min(max(int(side_m / grid.cell_m), 1), 2 * max(grid.shape))
+        held = uniform_filter(pays.reshape(grid.shape), cells, mode="constant").ravel()
+        best = grid.centres_m[held >= held.max() * (1 - 1e-9)]
+        place: NDArray[np.float64] = best[np.argmin(np.hypot(*(best - best.mean(axis=0)).T))]
         return place
+
+    def flown_m(self) -> float:
+        """Metres that all sorties fly from here, at most."""
+        return sum(float(self.ground.budgets[n]) * self.ground.moves[n].pace.speed_mps for n in self.numbers)
+
+    def _sides_m(self, spacing_m: float) -> list[float]:
+        """Sides of squares that the sorties can cover, with more or less time left for ways and turns."""
+        return [float(np.sqrt(share * self.flown_m() * spacing_m)) for share in _FLOWN]
 
     @cached_property
     def polygon(self) -> Any:
@@ -88,17 +112,17 @@ class Searched:
     def areas(self, spacing_m: float) -> Iterator[Any]:
         """Search areas worth a try, cut to the free ground: all of it, then rectangles about where the person may be.
 
-        Those hold a share of the POC, or lie about the datum and are as large as the sorties can cover.
+        Those hold a share of the POC, or are squares about the datum as large as the sorties can cover.
         """
-        if self.datum is None:
+        if len(self.paying) == 0:
             return
-        whole = shapely.oriented_envelope(self._ground_of(self.paying))
-        rectangles = [whole, *(shapely.oriented_envelope(self._ground_of(self.paying[:n])) for n in self._counts())]
-        flown = sum(float(self.ground.budgets[n]) * self.ground.moves[n].pace.speed_mps for n in self.numbers)
-        x, y = self.datum
-        for share in _FLOWN:
-            half = np.sqrt(share * flown * spacing_m) / 2
-            rectangles.append(shapely.box(x - half, y - half, x + half, y + half))
+        rectangles = [
+            shapely.oriented_envelope(self._ground_of(self.paying[:count]))
+            for count in (len(self.paying), *self._counts())
+        ]
+        peak, *richest = self.datums(spacing_m)
+        for side, middle in zip(self._sides_m(spacing_m), richest, strict=True):
+            rectangles += [_square(peak, side), _square(middle, side)]
         for rectangle in rectangles:
             area = self.free.intersection(rectangle)
             parts = [part for part in shapely.get_parts(area) if part.geom_type == "Polygon" and part.area > 1.0]
@@ -135,3 +159,8 @@ def connected(ground: LegGround) -> list[Searched]:
     nearest = np.array([shapely.distance(part, homes) for part in parts]).argmin(axis=0)
     found = [(part, tuple(np.array(order)[nearest == k].tolist())) for k, part in enumerate(parts)]
     return [Searched(ground, part, numbers) for part, numbers in found if numbers]
+
+
+def _square(middle: NDArray[np.float64], side_m: float) -> Any:
+    (x, y), half = middle, side_m / 2
+    return shapely.box(x - half, y - half, x + half, y + half)
