@@ -10,7 +10,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sooner.errors import DataFormatError, UnsupportedProblemError
+from sooner.errors import DataFormatError, ImpossibleObservationError, UnsupportedProblemError
 from sooner.io import Folder, read_raster
 from sooner.missions import read_mission, score_plan
 from sooner.missions.debrief import debrief
@@ -200,6 +200,22 @@ def test_another_height_than_the_sensor_is_counted_at_is_told(ridge):
 
 
 # ---------------------------------------------------------------- refusals
+
+
+def test_nobody_found_where_all_would_have_been_cannot_be(tmp_path):
+    text = over_cells(HOME, 60, sensor="glimpse = 1.0")
+    poc = np.zeros((12, 16))
+    poc[5, 5:9] = 1.0 / 3.0
+    mission = read_mission(located(tmp_path, text, poc))
+    with pytest.raises(
+        ImpossibleObservationError, match=r"for sure, and nobody was found; expected area.outside above 0"
+    ):
+        debrief(mission, [along([[5, 4], [5, 10]])])
+
+
+def test_too_many_flights_are_refused(ridge):
+    with pytest.raises(DataFormatError, match="1,001 flights came; expected at most 1,000"):
+        debrief(ridge(), [along([[3, 3], [3, 12]])] * 1001)
 
 
 def test_a_flight_over_another_map_is_refused(ridge):

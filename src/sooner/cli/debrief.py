@@ -77,7 +77,7 @@ def _tell_flights(found: Debrief) -> None:
         seconds = each.track.duration_s
         lasted = "" if seconds is None else f", {clock(seconds)}"
         worth = f", adds {100 * adds:.2f} %" if found.remaining is not None else ""
-        print(f"  flight {number}: {each.track.length_m:.0f} m{lasted}{worth}   {Path(each.track.source).name}")
+        print(f"  flight {number}: {each.length_m:.0f} m{lasted}{worth}   {Path(each.track.source).name}")
 
 
 def _tell_plan(found: Debrief) -> None:

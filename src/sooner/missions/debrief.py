@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import sooner
 from sooner.belief import BetaGrid, update_on_miss
-from sooner.errors import DataFormatError, Fault, UnsupportedProblemError
+from sooner.errors import DataFormatError, Fault, ImpossibleObservationError, UnsupportedProblemError
 from sooner.io import Folder
 from sooner.io.georeference import Georeference
 from sooner.io.geotiff import geotiff
@@ -33,6 +33,8 @@ FILES = ("debrief.json", "debrief.png", "pod.tif", "poc-after.tif")
 GAPS = "gaps.geojson"
 NEXT = "next"
 NOTHING_LEFT = 1e-12  # probability on the map below which there is no next mission
+MOST_FLIGHTS = 1000
+SURE = 1e-12  # probability of not having found the person by then that rounding alone can make
 OTHER_HEIGHT = 0.2  # share by which a flight may be higher or lower than its sensor is counted at, untold
 
 Floats = NDArray[np.float64]
@@ -61,7 +63,7 @@ class Debrief:
     @cached_property
     def looks(self) -> NDArray[Any]:
         """(N,): how often each cell was looked at; along legs the effort on it."""
-        return np.asarray(np.sum([each.looks for each in self.tracks], axis=0))
+        return self._summed()[0]
 
     @cached_property
     def pod(self) -> Floats:
@@ -79,9 +81,15 @@ class Debrief:
     @cached_property
     def adds(self) -> list[float]:
         """What each flight adds to those before it in the list: together the POS."""
-        sums = np.cumsum([each.looks for each in self.tracks], axis=0)
-        found = [self._found(pod_by_cell(self.mission, looks)) for looks in sums]
-        return [now - before for before, now in pairwise([0.0, *found])]
+        return [now - before for before, now in pairwise([0.0, *self._summed()[1]])]
+
+    def _summed(self) -> tuple[NDArray[Any], list[float]]:
+        """Looks of all flights, and what they find as one by one is counted in."""
+        looks, found = np.zeros_like(self.tracks[0].looks), []
+        for each in self.tracks:
+            looks[each.cells] += each.worth
+            found.append(self._found(pod_by_cell(self.mission, looks)))
+        return looks, found
 
     @cached_property
     def after(self) -> Floats:
@@ -91,9 +99,6 @@ class Debrief:
 
         Over evidence every look said no: odds' = odds (1 - POD) / (1 - false_alarm)^looks, cell by cell.
 
-        Raises
-        ------
-        ImpossibleObservationError  if the person would have been found for sure
         """
         sight, pod = self.mission.sight, self.pod
         before = np.ravel(sight.theta)
@@ -198,7 +203,7 @@ def _told(each: Flown, adds: float) -> dict[str, Any]:
         "name": track.name,
         "started": None if track.started is None else track.started.isoformat(),
         "duration_s": track.duration_s,
-        "length_m": track.length_m,
+        "length_m": each.length_m,
         "fixes": len(track.lat),
         "gaps": len(track.gaps),
         "adds": adds,
@@ -219,10 +224,14 @@ def debrief(mission: Mission, tracks: Sequence[Track], plan: Score | None = None
     ------
     DataFormatError           if the mission has no place on the globe, or no track looks at anything of it
     UnsupportedProblemError   where targets come and go, and nobody is found
+    ImpossibleObservationError  if the person would have been found for sure
     """
     if isinstance(mission.sight.known, BetaGrid):
         raise UnsupportedProblemError('model = "beta" came, where nobody is found; a debrief expects looks that detect')
     ground, searched = check_place(mission), Searched.before(mission)
+    if len(tracks) > MOST_FLIGHTS:
+        came, expected = f"{len(tracks):,} flights came", f"expected at most {MOST_FLIGHTS:,} in one debrief"
+        raise DataFormatError(Fault(tracks[0].source, "", came, expected))
     found = tuple(flown(mission, ground, track) for track in tracks)
     judged = Debrief(mission, ground, found, searched, plan, _notes(mission, found))
     if not found or not judged.pod.any():
@@ -231,6 +240,10 @@ def debrief(mission: Mission, tracks: Sequence[Track], plan: Score | None = None
         came = "tracks came that look at nothing of this map" if found else "no track came"
         expected = f"expected a flight over {mission.path}, whose middle lies at {lat:.5f}, {lon:.5f}"
         raise DataFormatError(Fault(files or str(mission.path), "", came, expected))
+    if mission.belief is not None and 1.0 - judged.found < SURE:
+        came = "flights came that would have found the person for sure, and nobody was found"
+        expected = "expected area.outside above 0, or a sensor that may miss: one of them cannot be true"
+        raise ImpossibleObservationError(f"{came}; {expected}")
     return judged
 
 
@@ -239,7 +252,7 @@ def _notes(mission: Mission, tracks: Sequence[Flown]) -> tuple[str, ...]:
     notes: list[str] = []
     for number, each in enumerate(tracks):
         track, told = each.track, list(each.track.notes)
-        if not each.looks.any():
+        if len(each.cells) == 0:
             told.append("it looks at nothing of this map")
         told += _at_another_height(mission, track)
         named = f"flight {number}" + (f" ({track.name})" if track.name else "")

@@ -42,12 +42,23 @@ class Flown:
     ----------
     track : Track
     pieces : of (n, 2) float    metres east and north of the south-west cell's centre, between gaps, straightened
-    looks : (N,)                how often each cell was looked at; along legs the effort on it
+    cells : (m,) int            that it looked at, each once
+    worth : (m,)                how often; along legs the effort on it
+    n_cells : int               of the map, N
     """
 
     track: Track
     pieces: tuple[Floats, ...]
-    looks: NDArray[Any]
+    cells: NDArray[np.int64]
+    worth: NDArray[Any]
+    n_cells: int
+
+    @property
+    def looks(self) -> NDArray[Any]:
+        """(N,): how often each cell was looked at; along legs the effort on it."""
+        found = np.zeros(self.n_cells, self.worth.dtype)
+        found[self.cells] = self.worth
+        return found
 
     @property
     def length_m(self) -> float:
@@ -79,7 +90,9 @@ def flown(mission: Mission, ground: Georeference, track: Track) -> Flown:
     line = np.column_stack([cells[:, 1], height - 1 - cells[:, 0]]) * grid.cell_m
     parts = np.split(line, track.gaps + 1)
     pieces = tuple(_straightened(part, min(JITTER_M, FINE * reach)) for part in parts)
-    return Flown(track, pieces, _looks(mission, track, pieces, reach))
+    looks = _looks(mission, track, pieces, reach)
+    seen = np.flatnonzero(looks)
+    return Flown(track, pieces, seen, looks[seen], grid.n_cells)
 
 
 def reach_m(mission: Mission) -> float:
