@@ -1,6 +1,7 @@
 """Told durations against an autopilot of small steps that reads nothing but the exported file."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -69,6 +70,13 @@ def test_it_stops_where_the_line_turns_and_flies_on_where_it_does_not(tmp_path):
     bent = flown(tmp_path, told([[0, 0], [100, 0], [100, 100], [200, 100]], 10.0), Limits(2.0, 5.0, 5.0))
     assert straight.between_s == pytest.approx(35.0, rel=0.01)
     assert bent.between_s == pytest.approx(45.0, rel=0.01)
+
+
+def test_it_does_not_stop_to_change_its_speed(tmp_path):
+    plan = told([[0, 0], [100, 0], [200, 0]], 10.0)
+    slow = replace(plan, waypoints=(*plan.waypoints[:2], replace(plan.waypoints[2], speed_mps=5.0)))
+    seconds = (5.0 + 5.625 + 2.5) + (18.75 + 2.5)  # up to 10 m/s, on, down to 5; on, and to a stop
+    assert flown(tmp_path, slow, Limits(2.0, 5.0, 5.0)).between_s == pytest.approx(seconds, rel=0.01)
 
 
 # ---------------------------------------------------------------- durations that are told

@@ -48,14 +48,14 @@ class _Drone:
     told: Flown
     velocity: list = field(default_factory=lambda: [0.0, 0.0, 0.0])
 
-    def fly(self, line, speed):
-        """Along places (x, y, z) that lie straight ahead of each other, from where it is, to a stop."""
-        line = [tuple(self.place), *line]
-        legs = [(a, b) for a, b in pairwise(line) if math.dist(a, b) > SAME_M]
+    def fly(self, line):
+        """Along places (x, y, z, speed) that lie straight ahead of each other, from where it is, to a stop."""
+        line = [(*self.place, 0.0), *line]
+        legs = [(a, b) for a, b in pairwise(line) if math.dist(a[:3], b[:3]) > SAME_M]
         if not legs:
             return
         lengths = [_length(a, b) for a, b in legs]
-        caps = [self._most(a, b, speed) for a, b in legs]
+        caps = [self._most(a, b, b[3]) for a, b in legs]
         begins = [sum(lengths[:k]) for k in range(len(legs))]
         flown, leg, whole = 0.0, 0, sum(lengths)
         while True:
@@ -68,7 +68,7 @@ class _Drone:
             wanted = self._brake(now, flown + ahead, leg, begins, caps, whole)
             self._step(*legs[leg], wanted, flown - begins[leg])
             flown = begins[leg] + self._progress(*legs[leg])
-        self.place, self.velocity = list(line[-1]), [0.0, 0.0, 0.0]
+        self.place, self.velocity = list(line[-1][:3]), [0.0, 0.0, 0.0]
 
     def wait(self, seconds):
         self.told.whole_s += seconds
@@ -164,35 +164,30 @@ def fly_file(path, limits: Limits) -> Flown:
     drone = _Drone(limits, [0.0, 0.0, 0.0], told)
     waypoints, run, first_s = 0, [], None
 
-    def stop():
-        nonlocal run
-        drone.fly(run, speed)
-        run = []
-
     items = mission["items"]
     for number, item in enumerate(items):
         command, params = item["command"], item["params"]
         if command == SPEED:
-            stop()
             speed = params[1]
         elif command == TAKEOFF:
-            drone.fly([(0.0, 0.0, params[6])], speed)
+            drone.fly([(0.0, 0.0, params[6], speed)])
         elif command == WAYPOINT:
             assert item["frame"] == 3
-            run.append((*_east_north(home, params), params[6]))
+            run.append((*_east_north(home, params), params[6], speed))
             waypoints += 1
             onward = _next_waypoint(items, number)
             straight = waypoints > 1 and onward is not None and not params[0]
             before = run[-2] if len(run) > 1 else tuple(drone.place)
             if not straight or _turn(before, run[-1], (*_east_north(home, onward), 0.0)) > TURN_RAD:
-                stop()
+                drone.fly(run)
+                run = []
             if waypoints == 1:
                 first_s = told.whole_s
             drone.wait(params[0] or 0.0)
             told.between_s = told.whole_s - first_s
         elif command in (RETURN, LAND):
             there = (0.0, 0.0) if command == RETURN else _east_north(home, params)
-            drone.fly([(*there, drone.place[2])], speed)
+            drone.fly([(*there, drone.place[2], speed)])
             _land(drone, there)
         else:
             assert command == LOITER
@@ -202,15 +197,16 @@ def fly_file(path, limits: Limits) -> Flown:
 def _land(drone, there):
     """Straight down, slowly at last."""
     slow, below = drone.limits.landing
-    drone.fly([(*there, min(below, drone.place[2]))], math.inf)
+    drone.fly([(*there, min(below, drone.place[2]), math.inf)])
     if drone.place[2] > 0:
         fast, drone.limits = drone.limits, Limits(drone.limits.accel, drone.limits.climb, slow)
-        drone.fly([(*there, 0.0)], math.inf)
+        drone.fly([(*there, 0.0, math.inf)])
         drone.limits = fast
 
 
 def _next_waypoint(items, number):
-    following = items[number + 1] if number + 1 < len(items) else None
+    """Where it is sent next; speeds may be set on the way."""
+    following = next((item for item in items[number + 1 :] if item["command"] != SPEED), None)
     return following["params"] if following is not None and following["command"] == WAYPOINT else None
 
 

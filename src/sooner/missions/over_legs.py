@@ -24,6 +24,7 @@ from sooner.missions.sight import Sight
 from sooner.missions.vehicles import Vehicle, read_vehicle
 from sooner.missions.winds import wind_fault
 from sooner.motion.pace import Pace, Terrain
+from sooner.motion.wind import Wind
 from sooner.problem import Searcher, SearchProblem
 from sooner.problem.gains import effort_gains
 from sooner.problem.leg_moves import LegMoves
@@ -239,6 +240,16 @@ class OverLegs:
             return None
         return Terrain(area.elevation, self.layers.cell_m).smoothed(SMOOTHED_CELLS * self.layers.cell_m)
 
+    @property
+    def _wind(self) -> Wind:
+        """Where the wind blows to on the map, whose north may lean."""
+        said, first, shape = self.settings.wind, self.layers.first, self.layers.shape
+        if said is None:
+            return (0.0, 0.0)
+        if first is None or first.corner is None or shape is None:
+            return said.blows_to
+        return said.over(Georeference.of(first), shape)
+
     # ------------------------------------------------------------ sorties
 
     def _pace(self, number: int) -> Pace:
@@ -250,8 +261,7 @@ class OverLegs:
             assert said.speed_mps is not None
             assert said.accel_mps2 is not None
             return Pace(min(said.speed_mps, sharp), said.accel_mps2)
-        wind = (0.0, 0.0) if self.settings.wind is None else self.settings.wind.blows_to
-        pace = vehicle.pace(self.altitudes[number], wind, self.terrain)
+        pace = vehicle.pace(self.altitudes[number], self._wind, self.terrain)
         asked = min(pace.speed_mps, said.speed_mps or inf, sharp)
         limits = pace.airspeed_mps, pace.wind, pace.climb_mps, pace.descent_mps, pace.terrain
         return Pace(asked, said.accel_mps2 or pace.accel_mps2, *limits)
