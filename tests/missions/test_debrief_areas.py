@@ -7,10 +7,13 @@ import pytest
 
 from sooner.io import Folder
 from sooner.io.tracks import Track
-from sooner.missions import read_mission
+from sooner.missions import read_mission, score_plan
 from sooner.missions.debrief import debrief
+from sooner.missions.debrief_looks import pod_by_cell
 from sooner.missions.flight_plans import check_place
-from sooner.problem.leg_moves import LegMoves
+from sooner.planners import max_ticks, solve
+from sooner.planners.registry import DEFAULT, make_planner
+from sooner.problem.leg_moves import LegMoves, places_of
 from tests.georeferenced import DOLOMITES, hills, located
 from tests.missions.drawn import LAT, LON, METRE_EAST, METRE_NORTH, box, drawn, mission, point, raster
 
@@ -114,6 +117,43 @@ seconds = 300
     assert (other.home, other.end) == (one.home, one.end)
     assert other.airspace.free.area == pytest.approx(one.airspace.free.area)
     np.testing.assert_allclose(other.swath.strength, one.swath.strength, rtol=1e-5)
+
+
+def test_the_next_sortie_goes_where_the_last_one_did_not(files):
+    """Along legs too: a third of the plan is left out, and the next plan looks there."""
+    before = read_mission(mission(files, AREAS["polygon"], LEGS, "glimpse = 0.9\nradius_m = 60.0", "seconds = 400"))
+    planned = annealed(before)
+    places = places_of(planned.plan.actions[0])
+    along_m = np.append(0.0, np.cumsum(np.hypot(*np.diff(places, axis=0).T)))
+    passed = np.arange(0.0, along_m[-1] * 2 / 3, 5.0)
+    east, north = (np.interp(passed, along_m, places[:, axis]) for axis in (0, 1))
+    ground, side = check_place(before), before.problem.grid.cell_m
+    lat, lon = ground.places(np.column_stack([before.problem.grid.shape[0] - 1 - north / side, east / side])).T
+    told = debrief(before, [Track("", "flown.gpx", lat, lon)], planned)
+    beside, flown_over = told.compared, told.pod > 0.5
+    assert beside.share_flown == pytest.approx(2 / 3, abs=0.1)
+    assert beside.found == pytest.approx(planned.evaluation.total)
+    assert beside.farthest_m < 1.0
+    following = annealed(read_mission(told.write(Folder(files / "out"))["next"]))
+    pod = pod_by_cell(following.mission, following.looks)
+    gap, over = (cells_at(following.mission, before, mask) for mask in (beside.missed, flown_over))
+    assert beside.missed.sum() > 50
+    assert pod[gap].mean() > 2.0 * pod[over].mean()
+    assert told.found + (1 - told.found) * following.evaluation.total > beside.found
+
+
+def annealed(said):
+    """The default planner's plan, by ticks and not by the clock."""
+    return score_plan(said, solve(said.problem, make_planner(DEFAULT), stop=max_ticks(5), seed=1).best.plan)
+
+
+def cells_at(there, here, mask):
+    """Cells of one mission where those of another lie, as their grids may begin elsewhere."""
+    rows, cols = np.nonzero(mask.reshape(here.problem.grid.shape))
+    found = check_place(there).cells(check_place(here).places(np.column_stack([rows, cols]))).round().astype(int)
+    height, width = there.problem.grid.shape
+    inside = (found >= 0).all(axis=1) & (found[:, 0] < height) & (found[:, 1] < width)
+    return found[inside] @ [width, 1]
 
 
 def test_an_area_that_only_segments_told_is_drawn(files):
