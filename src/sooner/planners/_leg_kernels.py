@@ -24,25 +24,48 @@ ENOUGH = 30.0  # effort beyond which a cell pays nothing more
 SHIFT, LANE, INSERT, REMOVE, SWAP, REVERSE, MOVE, TAILS = 0, 1, 2, 3, 4, 5, 6, 7
 ROUTE, FROM, TO, NEW, OTHER, FROM2, TO2, NEW2 = 0, 1, 2, 3, 4, 5, 6, 7
 LONGEST = 30  # points of a stretch that is reversed
+NOTES = 1 << 16  # looks at cells that are noted in one change, more on larger maps; a change of more is not made
 
 
 @njit(cache=True, nogil=True)
-def put(x0, y0, x1, y1, sign, effort, poc, ground, sight, cells, worth, at):
-    """Add (sign 1) or take away (-1) the effort of a leg; answers how the value changes."""
+def missed(effort):
+    """exp(-effort), without the trouble where it is one or nothing."""
+    if effort <= 0.0:
+        return 1.0
+    return math.exp(-effort) if effort < ENOUGH else 0.0
+
+
+@njit(cache=True, nogil=True)
+def put(x0, y0, x1, y1, sign, effort, poc, ground, sight, cells, worth, at, top):
+    """Add (sign 1) or take away (-1) the effort of a leg, and note it from `top` on; answers change of value and top.
+
+    Top is -1 where there was no room to note it; then nothing is changed.
+    """
     cell_m, height, width, east, north = ground
     radius, law, strength = sight
     found = leg_effort(
-        x0 - east, y0 - north, x1 - east, y1 - north, cell_m, height, width, radius, law, strength, cells, worth, at
-    )
+        x0 - east, y0 - north, x1 - east, y1 - north,
+        cell_m, height, width, radius, law, strength, cells[top:], worth[top:], at[top:],
+    )  # fmt: skip
+    if found < 0:
+        return 0.0, -1
     change = 0.0
-    for k in range(found):
+    for k in range(top, top + found):
         cell = cells[k]
         before = effort[cell]
-        after = max(before + sign * worth[k], 0.0)
+        worth[k] *= sign
+        after = max(before + worth[k], 0.0)
         effort[cell] = after
-        if poc[cell] > 0.0 and (before < ENOUGH or after < ENOUGH):
-            change += poc[cell] * (math.exp(-before) - math.exp(-after))
-    return change
+        if poc[cell] > 0.0:
+            change += poc[cell] * (missed(before) - missed(after))
+    return change, top + found
+
+
+@njit(cache=True, nogil=True)
+def unput(effort, cells, worth, begin, top):
+    """Take back what was noted from `begin` to `top`."""
+    for k in range(begin, top):
+        effort[cells[k]] = max(effort[cells[k]] - worth[k], 0.0)
 
 
 @njit(cache=True, nogil=True)
@@ -52,33 +75,19 @@ def load(points, counts, seconds, effort, poc, ground, sight, pace, cells, worth
     value = 0.0
     for r in range(points.shape[0]):
         seconds[r] = 0.0
-        for k in range(counts[r] - 1):
-            x0, y0, x1, y1 = points[r, k, 0], points[r, k, 1], points[r, k + 1, 0], points[r, k + 1, 1]
+        for k in range(max(counts[r] - 1, 1)):
+            j = min(k + 1, counts[r] - 1)
+            x0, y0, x1, y1 = points[r, k, 0], points[r, k, 1], points[r, j, 0], points[r, j, 1]
             seconds[r] += leg_s(x0, y0, x1, y1, *pace)
-            value += put(x0, y0, x1, y1, 1.0, effort, poc, ground, sight, cells, worth, at)
-        if counts[r] == 1:
-            x0, y0 = points[r, 0, 0], points[r, 0, 1]
-            value += put(x0, y0, x0, y0, 1.0, effort, poc, ground, sight, cells, worth, at)
+            value += put(x0, y0, x1, y1, 1.0, effort, poc, ground, sight, cells, worth, at, 0)[0]
     return value
 
 
 @njit(cache=True, nogil=True)
-def replace(
-    points, counts, seconds, effort, r, i, j, new, m, limit, checked, poc, ground, sight, pace, walls, cells, worth, at
-):
-    """Put `new[:m]` in place of the points between i and j of route r; j = counts[r] stands for the open end.
-
-    Returns whether it is done, and by how much value and seconds change. It is not where the route had no room, took
-    longer than `limit`, or a leg met a wall; `checked` legs are known not to.
-    """
-    count = counts[r]
-    old = j - i - 1
-    after = count + m - old
-    if after > points.shape[1] or (after < 2 and not checked):
-        return False, 0.0, 0.0
-    longer, x0, y0 = 0.0, points[r, 0, 0], points[r, 0, 1]
-    last = min(j, count - 1)
-    for k in range(i, last):
+def longer_by(points, count, r, i, j, new, m, pace):
+    """Seconds by which route r grows where `new[:m]` come between i and j."""
+    longer = 0.0
+    for k in range(i, min(j, count - 1)):
         longer -= leg_s(points[r, k, 0], points[r, k, 1], points[r, k + 1, 0], points[r, k + 1, 1], *pace)
     x, y = points[r, i, 0], points[r, i, 1]
     for k in range(m + 1):
@@ -87,35 +96,28 @@ def replace(
         nx, ny = (new[k, 0], new[k, 1]) if k < m else (points[r, j, 0], points[r, j, 1])
         longer += leg_s(x, y, nx, ny, *pace)
         x, y = nx, ny
-    if not seconds[r] + longer <= limit:
-        return False, 0.0, 0.0
-    if not checked:
-        x, y = points[r, i, 0], points[r, i, 1]
-        for k in range(m + 1):
-            if k == m and j == count:
-                break
-            nx, ny = (new[k, 0], new[k, 1]) if k < m else (points[r, j, 0], points[r, j, 1])
-            if not clear(x, y, nx, ny, walls):
-                return False, 0.0, 0.0
-            x, y = nx, ny
-    change = 0.0
-    if count == 1:  # it stood at home and looked around
-        change += put(x0, y0, x0, y0, -1.0, effort, poc, ground, sight, cells, worth, at)
-    for k in range(i, last):
-        change += put(
-            points[r, k, 0], points[r, k, 1], points[r, k + 1, 0], points[r, k + 1, 1],
-            -1.0, effort, poc, ground, sight, cells, worth, at,
-        )  # fmt: skip
+    return longer
+
+
+@njit(cache=True, nogil=True)
+def all_clear(points, count, r, i, j, new, m, walls):
+    """Whether no leg meets a wall where `new[:m]` come between i and j of route r."""
     x, y = points[r, i, 0], points[r, i, 1]
     for k in range(m + 1):
         if k == m and j == count:
             break
         nx, ny = (new[k, 0], new[k, 1]) if k < m else (points[r, j, 0], points[r, j, 1])
-        change += put(x, y, nx, ny, 1.0, effort, poc, ground, sight, cells, worth, at)
+        if not clear(x, y, nx, ny, walls):
+            return False
         x, y = nx, ny
-    if after == 1:
-        change += put(x0, y0, x0, y0, 1.0, effort, poc, ground, sight, cells, worth, at)
-    more = m - old
+    return True
+
+
+@njit(cache=True, nogil=True)
+def spliced(points, counts, r, i, j, new, m):
+    """Put `new[:m]` in place of the points between i and j of route r."""
+    count = counts[r]
+    more = m - (j - i - 1)
     if more > 0:
         for k in range(count - 1, j - 1, -1):
             points[r, k + more, 0], points[r, k + more, 1] = points[r, k, 0], points[r, k, 1]
@@ -124,9 +126,51 @@ def replace(
             points[r, k + more, 0], points[r, k + more, 1] = points[r, k, 0], points[r, k, 1]
     for k in range(m):
         points[r, i + 1 + k, 0], points[r, i + 1 + k, 1] = new[k, 0], new[k, 1]
-    counts[r] = after
+    counts[r] = count + more
+
+
+@njit(cache=True, nogil=True)
+def replace(
+    points, counts, seconds, effort, r, i, j, new, m, limit, poc, ground, sight, pace, walls, cells, worth, at, top
+):
+    """Put `new[:m]` in place of the points between i and j of route r; j = counts[r] stands for the open end.
+
+    Returns change of value, of seconds, and the new top of the notes; top -1, and nothing changed, where the route had
+    no room, came under two points, took longer than `limit`, or a leg met a wall.
+    """
+    count = counts[r]
+    after = count + m - (j - i - 1)
+    if after > points.shape[1] or after < 2:
+        return 0.0, 0.0, -1
+    longer = longer_by(points, count, r, i, j, new, m, pace)
+    if not seconds[r] + longer <= limit or not all_clear(points, count, r, i, j, new, m, walls):
+        return 0.0, 0.0, -1
+    begin, value = top, 0.0
+    x, y = points[r, i, 0], points[r, i, 1]
+    alone = 1 if count == 1 else 0  # it stood at home and looked around
+    for k in range(i, min(j, count - 1) + alone):
+        b = min(k + 1, count - 1)
+        change, noted = put(
+            points[r, k, 0], points[r, k, 1], points[r, b, 0], points[r, b, 1],
+            -1.0, effort, poc, ground, sight, cells, worth, at, top,
+        )  # fmt: skip
+        if noted < 0:
+            unput(effort, cells, worth, begin, top)
+            return 0.0, 0.0, -1
+        value, top = value + change, noted
+    for k in range(m + 1):
+        if k == m and j == count:
+            break
+        nx, ny = (new[k, 0], new[k, 1]) if k < m else (points[r, j, 0], points[r, j, 1])
+        change, noted = put(x, y, nx, ny, 1.0, effort, poc, ground, sight, cells, worth, at, top)
+        if noted < 0:
+            unput(effort, cells, worth, begin, top)
+            return 0.0, 0.0, -1
+        value, top = value + change, noted
+        x, y = nx, ny
+    spliced(points, counts, r, i, j, new, m)
     seconds[r] += longer
-    return True, change, longer
+    return value, longer, top
 
 
 @njit(cache=True, nogil=True)
@@ -332,7 +376,8 @@ def anneal(
     weights : (8,) float       how often each kind of change is tried, summed up
     """
     size, room = effort.shape[0], points.shape[1]
-    cells, worth, at = np.empty(size, np.int64), np.empty(size), np.empty(size)
+    notes = 4 * size + NOTES
+    cells, worth, at = np.empty(notes, np.int64), np.empty(notes), np.empty(notes)
     new, new_other, old, old_other = np.empty((4, room, 2))
     change = np.zeros(8, np.int64)
     for _ in range(steps):
@@ -342,25 +387,26 @@ def anneal(
         if not propose(points, counts, ends, kind, reach, effort, poc, pays, ground, change, new, new_other, words):
             continue
         r, i, j, m, other, i2, j2, m2 = change
-        won = late = won2 = late2 = 0.0
-        gone = gone2 = 0
+        won2 = late2 = 0.0
+        gone2 = top = 0
         if other >= 0:
             gone2 = taken(points, other, i2, j2, old_other)
-            done, won2, late2 = replace(
+            won2, late2, top = replace(
                 points, counts, seconds, effort, other, i2, j2, new_other, m2,
-                budgets[other], False, poc, ground, sight, pace, walls, cells, worth, at,
+                budgets[other], poc, ground, sight, pace, walls, cells, worth, at, 0,
             )  # fmt: skip
-            if not done:
+            if top < 0:
                 continue
             if r == other and i > i2:
                 i, j = i - gone2 + m2, j - gone2 + m2
+        first = top
         gone = taken(points, r, i, j, old)
-        done, won, late = replace(
+        won, late, top = replace(
             points, counts, seconds, effort, r, i, j, new, m,
-            budgets[r], False, poc, ground, sight, pace, walls, cells, worth, at,
+            budgets[r], poc, ground, sight, pace, walls, cells, worth, at, first,
         )  # fmt: skip
         gained = won + won2 - price * (late + late2)
-        if done and (gained >= 0.0 or uniform(words) < math.exp(gained / temperature)):
+        if top >= 0 and (gained >= 0.0 or uniform(words) < math.exp(gained / temperature)):
             value += won + won2
             if value > best_value + 1e-12:
                 best_value = value
@@ -368,14 +414,11 @@ def anneal(
                 for a in range(points.shape[0]):
                     best_points[a, : counts[a]] = points[a, : counts[a]]
             continue
-        if done:
-            replace(
-                points, counts, seconds, effort, r, i, i + m + 1, old, gone,
-                math.inf, True, poc, ground, sight, pace, walls, cells, worth, at,
-            )  # fmt: skip
+        unput(effort, cells, worth, 0, max(top, first))
+        if top >= 0:
+            spliced(points, counts, r, i, i + m + 1, old, gone)
+            seconds[r] -= late
         if other >= 0:
-            replace(
-                points, counts, seconds, effort, other, i2, i2 + m2 + 1, old_other, gone2,
-                math.inf, True, poc, ground, sight, pace, walls, cells, worth, at,
-            )  # fmt: skip
+            spliced(points, counts, other, i2, i2 + m2 + 1, old_other, gone2)
+            seconds[other] -= late2
     return value, best_value

@@ -17,31 +17,27 @@ NEAREST = 1e-3  # share of the radius nearer than which the inverse cube does no
 
 
 @njit(cache=True, nogil=True)
-def effort_on(east, north, x0, y0, x1, y1, radius, law, strength):
-    """Effort of one leg on one place, and the metres along it at which it is nearest; (0, 0) where it is not in view.
+def effort_on(east, north, along_x, along_y, length, radius, law, strength):
+    """Effort of one leg on a place `east` and `north` of its start, and the metres along it at which it is nearest.
 
-    strength : EVEN: effort a metre in view; CUBE: sweep width W, for W^2 / 8 pi r^3 of effort a metre; EDGED: width of
-    the edge; 0 sees nothing
+    along_x, along_y : direction of the leg, a unit vector
+    strength : above 0; EVEN: effort a metre in view; CUBE: sweep width W, for W^2 / 8 pi r^3 of effort a metre; EDGED:
+    width of the edge
     """
-    dx, dy = x1 - x0, y1 - y0
-    length = math.sqrt(dx * dx + dy * dy)
-    if strength <= 0.0:
-        return 0.0, 0.0
-    if length < 1e-12:
-        off = math.hypot(east - x0, north - y0)
-        if law == EDGED:
-            share = (radius - off) / strength
-            return (-math.log1p(-share) if 0.0 < share < 1.0 else SURE if share >= 1.0 else 0.0), 0.0
-        return (SURE if law == SEEN and off <= radius + TOUCH_M else 0.0), 0.0
-    along = ((east - x0) * dx + (north - y0) * dy) / length
-    aside2 = ((east - x0) * dy - (north - y0) * dx) ** 2 / (length * length)
-    nearest = min(max(along, 0.0), length)
-    if law == SEEN:
-        seen = aside2 + (along - nearest) ** 2 <= (radius + TOUCH_M) ** 2
-        return (SURE if seen else 0.0), nearest
-    if law == EDGED:
-        share = (radius - math.sqrt(aside2 + (along - nearest) ** 2)) / strength
-        return (-math.log1p(-share) if 0.0 < share < 1.0 else SURE if share >= 1.0 else 0.0), nearest
+    along = east * along_x + north * along_y
+    aside = east * along_y - north * along_x
+    aside2 = aside * aside
+    if law == SEEN or law == EDGED:  # noqa: SIM109
+        nearest = min(max(along, 0.0), length)
+        off2 = aside2 + (along - nearest) * (along - nearest)
+        if law == SEEN:
+            return (SURE if off2 <= (radius + TOUCH_M) * (radius + TOUCH_M) else 0.0), nearest
+        inner = max(radius - strength, 0.0)
+        if off2 <= inner * inner:
+            return SURE, nearest
+        if off2 >= radius * radius:
+            return 0.0, nearest
+        return -math.log(1.0 - (radius - math.sqrt(off2)) / strength), nearest
     half2 = radius * radius - aside2
     if half2 <= 0.0:
         return 0.0, 0.0
@@ -49,6 +45,7 @@ def effort_on(east, north, x0, y0, x1, y1, radius, law, strength):
     enter, leave = max(along - half, 0.0) - along, min(along + half, length) - along
     if leave <= enter:
         return 0.0, 0.0
+    nearest = min(max(along, 0.0), length)
     if law == EVEN:
         return min(strength * (leave - enter), SURE), nearest
     aside2 = max(aside2, (NEAREST * radius) ** 2)
@@ -60,13 +57,15 @@ def effort_on(east, north, x0, y0, x1, y1, radius, law, strength):
 def leg_effort(x0, y0, x1, y1, cell_m, height, width, radius, law, strength, cells, effort, nearest):
     """Fill the arrays with the cells that one leg puts effort on; answers how many, -1 where they do not fit.
 
-    strength : (N,) float64 by cell
+    strength : (N,) float64 by cell; 0 sees nothing
     """
     count = 0
     reach = radius + TOUCH_M
     low = max(math.ceil((min(y0, y1) - reach) / cell_m), 0)
     high = min(math.floor((max(y0, y1) + reach) / cell_m), height - 1)
     dx, dy = x1 - x0, y1 - y0
+    length = math.sqrt(dx * dx + dy * dy)
+    along_x, along_y = (dx / length, dy / length) if length > 1e-12 else (1.0, 0.0)
     for up in range(low, high + 1):
         north = up * cell_m
         west, east = min(x0, x1), max(x0, x1)
@@ -80,11 +79,14 @@ def leg_effort(x0, y0, x1, y1, cell_m, height, width, radius, law, strength, cel
         first = max(math.ceil((west - reach) / cell_m), 0)
         last = min(math.floor((east + reach) / cell_m), width - 1)
         row = (height - 1 - up) * width
+        if count + last - first >= cells.shape[0]:
+            return -1
         for col in range(first, last + 1):
-            worth, at = effort_on(col * cell_m, north, x0, y0, x1, y1, radius, law, strength[row + col])
+            here = strength[row + col]
+            if here <= 0.0:
+                continue
+            worth, at = effort_on(col * cell_m - x0, north - y0, along_x, along_y, length, radius, law, here)
             if worth > 0.0:
-                if count == cells.shape[0]:
-                    return -1
                 cells[count], effort[count], nearest[count] = row + col, worth, at
                 count += 1
     return count
