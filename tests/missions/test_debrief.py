@@ -256,6 +256,7 @@ PLAIN = st.one_of(TEXTS, st.integers(-(2**60), 2**60), st.floats(allow_nan=False
 VALUES = st.recursive(PLAIN, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(TEXTS, inner, max_size=3))
 
 
+@settings(max_examples=40)
 @given(st.dictionaries(TEXTS, VALUES | st.lists(st.dictionaries(TEXTS, VALUES, max_size=3), min_size=1, max_size=3)))
 def test_a_mission_file_is_written_as_it_was_read(said):
     if any(isinstance(value, list) and len({isinstance(each, dict) for each in value}) > 1 for value in said.values()):

@@ -52,10 +52,11 @@ def files(tmp_path):
     return tmp_path
 
 
-@pytest.mark.parametrize("searcher", [LEGS, CELLS], ids=["legs", "cells"])
-@pytest.mark.parametrize("area", AREAS.values(), ids=AREAS)
+@pytest.mark.parametrize(
+    ("area", "searcher"), [*((area, LEGS) for area in AREAS), ("raster in degrees, cut", CELLS), ("zone", CELLS)]
+)
 def test_pos_adds_up_over_debriefs_of_an_area(files, area, searcher):
-    legs = "legs" in searcher
+    legs, area = "legs" in searcher, AREAS[area]
     budget, sensor = ("seconds = 300", "glimpse = 0.8\nradius_m = 40.0") if legs else ("steps = 40", "glimpse = 0.8")
     before = read_mission(mission(files, area, searcher, sensor, budget))
     one, two = flown((400, 450), (100, 100), (700, 150)), flown((700, 150), (100, 120), (650, 800), (5, 890))

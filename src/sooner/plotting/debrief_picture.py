@@ -127,7 +127,7 @@ def _draw_lines(axes: Axes, flown: Lines, planned: Lines) -> None:
     line = LineCollection(list(flown), colors=START, linewidths=1.3, zorder=6)
     line.set_label("flown")
     axes.add_collection(line)
-    axes.legend(loc="upper left", fontsize=8.5, framealpha=0.9, edgecolor="none").set_zorder(9)
+    axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.0), ncols=2, fontsize=8.5, frameon=False, borderaxespad=0.2)
 
 
 def _draw_missed(axes: Axes, cells: CellMap, missed: NDArray[np.bool_]) -> None:
