@@ -1,4 +1,4 @@
-"""First routes along legs: lanes over the best ground, and walks over a lattice as wide as the swath."""
+"""First routes along legs: lanes over the best ground, spirals, and walks over a lattice as wide as the swath."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from sooner.grid import Grid
 from sooner.planners.anneal import Anneal
 from sooner.planners.leg_ground import LegGround, Route, Routes
+from sooner.planners.leg_spirals import spiral_routes
 from sooner.planners.planner import follow
 from sooner.problem import CellMoves, Gains, Searcher, SearchProblem
 from sooner.problem.leg_moves import place_numbers, places_of
@@ -192,5 +193,9 @@ def first_routes(ground: LegGround, rng: Generator) -> Iterator[list[Route]]:
     width = max(ground.moves[0].swath.width_m, ground.problem.grid.cell_m)
     for angle in (0.0, pi / 2, pi / 4, 3 * pi / 4):
         yield lane_routes(ground, angle, width)
+    for sense in (1.0, -1.0):
+        spirals = spiral_routes(ground, width, sense)
+        if spirals is not None:
+            yield spirals
     for angle in (0.0, pi / 4):
         yield lattice_routes(ground, angle, width, rng)
