@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 import rasterio
 
+from sooner.io.leg_plans import leg_plan_csv
 from sooner.missions.exported import EXPORTS
 from tests.georeferenced import hills, located, over_cells
+from tests.missions.leg_missions import VEHICLE, leg_mission, there_and_back
 
 pytestmark = pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")  # within rasterio
 HOME = "[[searcher]]\nstart = [3, 3]\nend = [3, 3]\nspeed_mps = 12.0\naltitude_m = 80\n"
@@ -175,3 +177,23 @@ def test_the_lesson_lists_every_format():
 def test_help_names_every_format(sooner):
     told = sooner("export", "--help").out
     assert all(name in told for name in EXPORTS)
+
+
+def test_every_export_holds_each_sortie(sooner, tmp_path):
+    path = leg_mission(tmp_path, 1, 2, True, vehicle=VEHICLE + 'autopilot = "px4"\ndji = "m3t"\n')
+    score = there_and_back(path, [[200, 900], [800, 900]], [[1400, 900], [1400, 300]])
+    (tmp_path / "plan.csv").write_bytes(leg_plan_csv(score.plan, score.mission.problem, score.mission.ground))
+    everything = "qgc,waypoints,dji,kml,gpx,caltopo,cot,geotiff"
+    ended = sooner("export", path, tmp_path / "plan.csv", "--format", everything, "--out", tmp_path / "out", "--json")
+    assert ended.status == 0
+    made = {file.name for file in (tmp_path / "out").iterdir() if not file.name.startswith(".")}
+    single = {f"flight-{n}.{suffix}" for n in (0, 1) for suffix in ("plan", "waypoints", "kmz", "cot")}
+    assert made == single | {"flight.kml", "flight.gpx", "flight.geojson", "poc-before.tif", "poc-after.tif", "pod.tif"}
+    flown = ended.json["searchers"]
+    assert [each["name"] for each in flown] == ["Ridge, drone 0, battery 0", "Ridge, drone 0, battery 1"]
+    assert flown[0]["takeoff_s"] > 20
+    assert flown[1]["departs_s"] > 1000
+    assert b'"firmwareType": 12' in (tmp_path / "out" / "flight-0.plan").read_bytes()
+    overruled = sooner("export", path, tmp_path / "plan.csv", "--format", "qgc", "--autopilot", "ardupilot")
+    assert overruled.status == 0
+    assert b'"firmwareType": 3' in (tmp_path / "flight-0.plan").read_bytes()

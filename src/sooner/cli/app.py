@@ -141,8 +141,15 @@ def export_plan(
         ),
     ] = None,
     out: Annotated[Path | None, _folder("Folder for the files; left out: the plan's.")] = None,
-    autopilot: Annotated[str, typer.Option(help="For qgc: ardupilot or px4.")] = "ardupilot",
-    dji: Annotated[str, typer.Option(help="For dji: m300, m350, m30, m30t, m3e, m3t, m3d or m3td.")] = "m30t",
+    autopilot: Annotated[
+        str | None, typer.Option(help="For qgc: ardupilot or px4; left out: the vehicle file's, or ardupilot.")
+    ] = None,
+    dji: Annotated[
+        str | None,
+        typer.Option(
+            help="For dji: m300, m350, m30, m30t, m3e, m3t, m3d or m3td; left out: the vehicle file's, or m30t."
+        ),
+    ] = None,
     json: Json = False,
     force: Force = False,
 ) -> Work:

@@ -22,17 +22,18 @@ def export_plan(
     plan_file: Path,
     formats: Sequence[str],
     out: Path | None,
-    autopilot: str,
-    dji: str,
+    autopilot: str | None,
+    dji: str | None,
     as_json: bool,
     force: bool,
 ) -> int:
     """Judge the plan, and write it in every format asked for."""
-    asked, aircraft = chosen(formats), Aircraft(autopilot, dji)
+    asked = chosen(formats)
+    Aircraft(autopilot or Aircraft.autopilot, dji or Aircraft.dji)  # names that nobody knows are refused at once
     mission = read_mission(mission_file)
     folder = Folder(out or plan_file.parent, force)
     folder.check(*file_names(mission, asked))
-    exported = export(judged(mission, plan_file), asked, aircraft)
+    exported = export(judged(mission, plan_file), asked, autopilot, dji)
     with uninterrupted():
         folder.write(exported.files)
     if as_json:
@@ -47,8 +48,9 @@ def tell_exported(exported: Exported, folder: Folder) -> None:
     """Each flight, what whoever flies it should know, and the files."""
     for plan in exported.flights.plans:
         known = "" if plan.duration_s is None else f", {clock(plan.duration_s)}"
-        height = plan.waypoints[0].altitude_m
-        print(f"{plan.name}: {len(plan.waypoints)} waypoints, {plan.length_m:.0f} m{known}, {height:g} m above home")
+        ends = plan.takeoff_s + plan.landing_s
+        known += f" and {clock(ends)} to take off and land" if ends else ""
+        print(f"{plan.name}: {len(plan.waypoints)} waypoints, {plan.length_m:.0f} m{known}, {plan.height}")
     for note in exported.flights.notes:
         say(f"note: {note}")
     for name, known_as in exported.formats.items():

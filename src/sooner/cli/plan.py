@@ -15,7 +15,6 @@ from sooner.cli.given import planning_time
 from sooner.cli.progress import Watch
 from sooner.cli.words import amount, flight, percent, times
 from sooner.io import Folder
-from sooner.io.flights import Aircraft
 from sooner.missions import Mission, plan_mission, read_mission
 from sooner.missions.exported import Exported, chosen, export, file_names
 from sooner.missions.planning import FILES, Planned
@@ -64,7 +63,7 @@ def _exported(planned: Planned, formats: Sequence[str], folder: Folder) -> Expor
     """The files that fly, written; what the plan is worth stands already, whatever may be wrong with them."""
     if not formats:
         return None
-    exported = export(planned.score, formats, Aircraft())
+    exported = export(planned.score, formats)
     folder.write(exported.files)
     return exported
 

@@ -40,7 +40,7 @@ def upload_plan(
     plan = _chosen(told, searcher, str(plan_file))
     tell = (lambda line: None) if quiet else say
     uploaded = upload(plan, connection, number, system, force, patience, tell)
-    notes = [*(note for note in told.notes if _about(note, plan)), *uploaded.notes]
+    notes = [*told.about(plan), *uploaded.notes]
     if as_json:
         result = {"mission": mission.name, "plan_file": str(plan_file), "connection": str(connection)}
         print(json.dumps(result | _result(uploaded, plan, notes), allow_nan=False))
@@ -71,11 +71,6 @@ def _chosen(told: Flights, searcher: int | None, plan_file: str) -> FlightPlan:
         expected = f"expected one of {', '.join(map(str, numbers))}"
         raise DataFormatError(Fault("--searcher", "", f"{searcher} came", expected))
     return told.plans[0 if searcher is None else numbers.index(searcher)]
-
-
-def _about(note: str, plan: FlightPlan) -> bool:
-    """Of this drone, or of all."""
-    return not note.startswith("drone ") or note.startswith(f"drone {plan.searcher}:")
 
 
 def _result(uploaded: Uploaded, plan: FlightPlan, notes: list[str]) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from sooner.belief import Belief, BetaGrid
 from sooner.errors import UnsupportedProblemError
 from sooner.missions.score import Score
 from sooner.problem import Gains, detection_gains
+from sooner.sensors.swath import pod as pod_of_effort
 
 __all__ = ["LAYERS", "chances"]
 
@@ -22,7 +23,7 @@ LAYERS = {
 def chances(score: Score) -> dict[str, NDArray[np.float64]]:
     """The layers of `LAYERS`, (H, W) float each, by the judge's own gains.
 
-    POD_i = 1 - P(all looks at i miss | there),   after_i = POC_i (1 - POD_i)
+    POD_i = 1 - P(all looks at i miss | there),   after_i = POC_i (1 - POD_i);   along legs POD_i = 1 - exp(-effort_i)
 
     What remains does not total one: what is missing was found, or lies outside. Over evidence POC is the probability of
     each cell by itself.
@@ -36,7 +37,9 @@ def chances(score: Score) -> dict[str, NDArray[np.float64]]:
         raise UnsupportedProblemError('model = "beta" came, where nobody is found; geotiff expects looks that detect')
     before, seen = sight.theta, np.flatnonzero(score.looks)
     pod = np.zeros(before.shape)
-    if len(seen):
+    if score.mission.over_legs:
+        pod = pod_of_effort(score.looks).reshape(before.shape)
+    elif len(seen):
         alike = Belief.from_weights(np.ones((1, len(seen))))
         gains = detection_gains(alike, np.ravel(sight.glimpse)[None, seen], sight.correlation)
         pod.flat[seen] = np.minimum(_paid(gains, score.looks[seen]) * len(seen), 1.0)

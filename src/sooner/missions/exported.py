@@ -53,11 +53,18 @@ class Exported:
 def _told(plan: FlightPlan) -> dict[str, Any]:
     return {
         "searcher": plan.searcher,
+        "name": plan.name,
         "home": list(plan.home),
         "waypoints": len(plan.waypoints),
         "length_m": plan.length_m,
         "duration_s": plan.duration_s,
+        "takeoff_s": plan.takeoff_s,
+        "landing_s": plan.landing_s,
+        "departs_s": plan.departs_s,
         "altitude_m": plan.waypoints[0].altitude_m,
+        "highest_m": max(each.altitude_m for each in plan.waypoints),
+        "lowest_m": min(each.altitude_m for each in plan.waypoints),
+        "home_altitude_m": plan.home_altitude_m,
         "speed_mps": plan.speed_mps,
         "finish": plan.finish,
         "fences": len(plan.fences),
@@ -85,7 +92,7 @@ def chosen(formats: Sequence[str], some: bool = True) -> tuple[str, ...]:
 
 
 def file_names(mission: Mission, formats: Sequence[str]) -> dict[str, str]:
-    """The files that these formats make of a mission, each with its format: one for each drone if it holds one flight.
+    """The files that these formats make of a mission, each with its format: one for each flight if it holds one.
 
     Raises
     ------
@@ -104,15 +111,21 @@ def file_names(mission: Mission, formats: Sequence[str]) -> dict[str, str]:
     return named
 
 
-def export(score: Score, formats: Sequence[str], aircraft: Aircraft) -> Exported:
+def export(score: Score, formats: Sequence[str], autopilot: str | None = None, dji: str | None = None) -> Exported:
     """Every file of these formats.
+
+    Parameters
+    ----------
+    autopilot, dji : str or None    of `Aircraft`, for all drones; None: as their vehicle files say
 
     Raises
     ------
     DataFormatError         if the mission says too little for a file that flies
     UnsupportedProblemError if a format has no way to say this
     """
-    mission, told = score.mission, flights(score)
+    mission = score.mission
+    aircraft = [_aircraft(mission, number, autopilot, dji) for number in range(len(score.plan.actions))]
+    told = flights(score)
     named = file_names(mission, formats)
     files: dict[str, bytes] = {}
     for name in formats:
@@ -122,9 +135,18 @@ def export(score: Score, formats: Sequence[str], aircraft: Aircraft) -> Exported
     return Exported(files, named, told)
 
 
-def _written(name: str, plans: Sequence[FlightPlan], aircraft: Aircraft) -> list[bytes]:
+def _aircraft(mission: Mission, number: int, autopilot: str | None, dji: str | None) -> Aircraft:
+    """What a drone's files are written for: as is asked, else as its vehicle file says."""
+    vehicle = mission.sorties[number].vehicle if mission.sorties else None
+    own = Aircraft() if vehicle is None else vehicle.aircraft
+    return Aircraft(autopilot or own.autopilot, dji or own.dji)
+
+
+def _written(name: str, plans: Sequence[FlightPlan], aircraft: Sequence[Aircraft]) -> list[bytes]:
     known = FORMATS[name]
-    return [known.write([plan], aircraft) for plan in plans] if known.single else [known.write(plans, aircraft)]
+    if not known.single:
+        return [known.write(plans, aircraft[0])]  # maps, which say nothing of the aircraft
+    return [known.write([plan], each) for plan, each in zip(plans, aircraft, strict=True)]
 
 
 def _maps(score: Score) -> list[bytes]:

@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from sooner.errors import DataFormatError, Fault, InvalidProblemError
 from sooner.grid.paths import centres_of, line_is_clear, rows_and_cols, way
-from sooner.io.flights import FlightPlan, Waypoint
+from sooner.io.flights import Fence, FlightPlan, Waypoint
 from sooner.io.flights.flight_plan import Finish, Place
 from sooner.io.georeference import Georeference
+from sooner.missions.drawn_fences import drawn_fences
 from sooner.missions.fences import fences
+from sooner.missions.leg_flights import label, leg_flight
 from sooner.missions.mission_file import Mission
 from sooner.missions.over_regions import dynamics_of
 from sooner.missions.score import Score
@@ -37,11 +39,22 @@ class Flights:
     Parameters
     ----------
     plans : of FlightPlan       one for each searcher
-    notes : of str              what whoever flies them should know
+    own : of tuple of str       what whoever flies each of them should know
+    shared : of str             what concerns all of them
     """
 
     plans: tuple[FlightPlan, ...]
-    notes: tuple[str, ...]
+    own: tuple[tuple[str, ...], ...]
+    shared: tuple[str, ...] = ()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """All that there is to know."""
+        return (*(note for notes in self.own for note in notes), *self.shared)
+
+    def about(self, plan: FlightPlan) -> tuple[str, ...]:
+        """What concerns one of the flights, or all of them."""
+        return (*self.own[self.plans.index(plan)], *self.shared)
 
 
 @dataclass(frozen=True)
@@ -85,8 +98,9 @@ def check_place(mission: Mission) -> Georeference:
 def flights(score: Score) -> Flights:
     """A judged plan as flights: straight lines through the same places in the same order.
 
-    Over cells the line goes through their centres, over regions along the waypoints that are timed; where it goes on
-    straight there is no waypoint, where the plan waits the aircraft holds. A drone whose mission has an end away from
+    Over cells the line goes through their centres, over regions along the waypoints that are timed, along legs from
+    place to place, at one height above the ground where that is known; where it goes on straight there is no other
+    waypoint, where the plan waits the aircraft holds. A drone whose mission has an end away from
     its start lands there; every other flies home at last, around obstacles where the straight way is not free.
 
     Raises
@@ -94,22 +108,26 @@ def flights(score: Score) -> Flights:
     DataFormatError         if the mission does not say where on the globe it lies, or a speed that the plan needs
     """
     mission, ground = score.mission, check_place(score.mission)
-    told = []
+    plans, own = [], []
     for number in range(len(score.plan.actions)):
+        drone = mission.sorties[number].drone if mission.over_legs else number
         try:
-            told.append(_flight(score, number, ground))
+            plan, notes = (leg_flight if mission.over_legs else _flight)(score, number, ground)
         except InvalidProblemError as error:
             came, _, expected = str(error).partition("; ")
-            raise DataFormatError(Fault(str(mission.path), f"searcher[{number}]", came, expected)) from None
-    plans = tuple(plan for plan, _ in told)
-    return Flights(plans, (*_scale(mission, ground), *(note for _, notes in told for note in notes), *_levels(plans)))
+            raise DataFormatError(Fault(str(mission.path), f"searcher[{drone}]", came, expected)) from None
+        name = label(mission, number) if mission.over_legs else f"drone {number}"
+        plans.append(plan)
+        own.append(tuple(f"{name}: {note}" for note in notes))
+    levels = _ground(mission) if mission.over_legs else _levels(tuple(plans))
+    return Flights(tuple(plans), tuple(own), (*_scale(mission, ground), *levels))
 
 
 # ---------------------------------------------------------------- one flight
 
 
 def _flight(score: Score, number: int, ground: Georeference) -> tuple[FlightPlan, tuple[str, ...]]:
-    """The flight of one searcher, with notes that name it."""
+    """The flight of one searcher over cells or regions, and what whoever flies it should know."""
     mission, problem = score.mission, score.mission.problem
     said = mission.settings.searcher[number]
     line = _over_regions(score, number) if mission.over_regions else _over_cells(score, number)
@@ -121,7 +139,7 @@ def _flight(score: Score, number: int, ground: Georeference) -> tuple[FlightPlan
     home = _told(said.start, places[0])
     if finish != "return":
         places[-1] = _told(said.end, places[-1])
-    fenced, fence_notes = fences(problem.grid, ground, ground.cells([home, *places]), finish == "return")
+    fenced, fence_notes = _fences(mission, ground, ground.cells([home, *places]), finish == "return")
     placed = zip(places, hold_s.tolist(), strict=True)
     plan = FlightPlan(
         name=mission.name if len(problem.searchers) == 1 else f"{mission.name}, drone {number}",
@@ -135,8 +153,17 @@ def _flight(score: Score, number: int, ground: Georeference) -> tuple[FlightPlan
         landings=() if finish == "return" else (places[-1],),
         kind=said.kind,
     )
-    notes = (*line.notes, *way_notes, *fence_notes, *altitude_notes)
-    return plan, tuple(f"drone {number}: {note}" for note in notes)
+    return plan, (*line.notes, *way_notes, *fence_notes, *altitude_notes)
+
+
+def _fences(
+    mission: Mission, ground: Georeference, cells: Floats, closed: bool
+) -> tuple[tuple[Fence, ...], tuple[str, ...]]:
+    """Around what is drawn, where it is; else around the obstacles of a raster."""
+    grid = mission.problem.grid
+    if mission.area is None:
+        return fences(grid, ground, cells, closed)
+    return drawn_fences(mission, np.column_stack([cells[:, 1], grid.shape[0] - 1 - cells[:, 0]]) * grid.cell_m, closed)
 
 
 def _told(said: object, centre: Place) -> Place:
@@ -159,6 +186,12 @@ def _levels(plans: tuple[FlightPlan, ...]) -> tuple[str, ...]:
     if len(set(heights)) == len(heights):
         return ()
     return (f"{len(plans)} drones, some at the same height: give each its own searcher.altitude_m, or fly in turn",)
+
+
+def _ground(mission: Mission) -> tuple[str, ...]:
+    if mission.area is not None and mission.area.elevation is not None:
+        return ()
+    return ("nobody says how high the ground is (area.elevation): heights are those above home all the way",)
 
 
 def _scale(mission: Mission, ground: Georeference) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from sooner.missions.over_cells import OverCells
 from sooner.missions.over_legs import OverLegs, Sortie
 from sooner.missions.over_regions import OverRegions
 from sooner.missions.places import places
+from sooner.missions.real_area import RealArea
 from sooner.missions.settings import Settings, misplaced, not_yet
 from sooner.missions.sight import Sight
 from sooner.problem import SearchProblem
@@ -40,6 +41,8 @@ class Mission:
     notes : tuple of str        what the user should know about how the file was understood
     ground : Georeference or None  where its cells lie on the globe; None where the rasters do not say
     sorties : of Sortie         along legs: what each searcher of the problem is, drone and battery
+    area : RealArea or None     its polygons and heights, where it is drawn
+    obstacles : (H, W) bool or None  cells that cannot be entered
     """
 
     path: Path
@@ -51,6 +54,8 @@ class Mission:
     notes: tuple[str, ...]
     ground: Georeference | None = None
     sorties: tuple[Sortie, ...] = ()
+    area: RealArea | None = None
+    obstacles: NDArray[np.bool_] | None = None
 
     @property
     def name(self) -> str:
@@ -139,7 +144,8 @@ def read_mission(path: Path | str) -> Mission:
     located = layers.first is not None and layers.first.corner is not None
     ground = Georeference.of(layers.first) if located and layers.first is not None else None
     sorties = search.sorties if isinstance(search, OverLegs) else ()
-    return Mission(path, settings, problem, sight, layers.cell_m, search.step_s, notes, ground, sorties)
+    beneath = ground, sorties, layers.area, layers.obstacles
+    return Mission(path, settings, problem, sight, layers.cell_m, search.step_s, notes, *beneath)
 
 
 def _check_required(faults: Faults, settings: Settings) -> None:

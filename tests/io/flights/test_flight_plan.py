@@ -19,7 +19,7 @@ from tests.io.flights.plans import RIDGE
         ({"lat": 90.0}, "expected -89.9 to 89.9 degrees"),
         ({"lon": 180.5}, "longitude of 180.5"),
         ({"lon": -inf}, "longitude of -inf"),
-        ({"altitude_m": -1.0}, "altitude of -1.0"),
+        ({"altitude_m": -10_001.0}, "altitude of -10001.0"),
         ({"altitude_m": nan}, "altitude of nan"),
         ({"speed_mps": 0.0}, "speed of 0.0"),
         ({"hold_s": -1.0}, "hold of -1.0"),

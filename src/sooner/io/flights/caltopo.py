@@ -36,7 +36,7 @@ def _features(plan: FlightPlan, ink: str) -> Iterator[dict[str, Any]]:
 
 
 def _about(plan: FlightPlan) -> str:
-    told = [f"drone {plan.searcher}", f"{plan.length_m:.0f} m", f"{plan.waypoints[0].altitude_m:g} m above home"]
+    told = [f"drone {plan.searcher}", f"{plan.length_m:.0f} m", plan.height]
     if plan.duration_s is not None:
         told.append(f"{plan.duration_s:.0f} s")
     return ", ".join(told)

@@ -54,8 +54,8 @@ def _check(plan: FlightPlan) -> None:
         raise UnsupportedProblemError(f"{came} has one waypoint; dji expects at least two")
     if len(plan.waypoints) > MOST_POINTS:
         raise UnsupportedProblemError(f"{came} has {len(plan.waypoints):,} waypoints; dji counts to {MOST_POINTS:,}")
-    highest = max(each.altitude_m for each in plan.waypoints)
-    if highest > MOST_M:
+    highest = max((each.altitude_m for each in plan.waypoints), key=abs)
+    if abs(highest) > MOST_M:
         raise UnsupportedProblemError(f"{came} is flown {highest:g} m high; dji expects at most {MOST_M:g} m")
 
 

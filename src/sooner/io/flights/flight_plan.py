@@ -30,7 +30,7 @@ class Waypoint:
     Parameters
     ----------
     lat, lon : float            degrees of WGS 84
-    altitude_m : float          above the place where the flight began
+    altitude_m : float          above the place where the flight began; below 0 in a valley beneath it
     speed_mps : float or None   on the way to it; None: the flight's
     hold_s : float              seconds to stay there
 
@@ -54,7 +54,7 @@ class Waypoint:
 
     def __post_init__(self) -> None:
         _check_place(self.lat, self.lon)
-        _check("an altitude", self.altitude_m, 0.0, MOST_M, "metres")
+        _check("an altitude", self.altitude_m, -MOST_M, MOST_M, "metres")
         _check("a hold", self.hold_s, 0.0, MOST_HOLD_S, "seconds")
         if self.speed_mps is not None:
             _check("a speed", self.speed_mps, 0.001, MOST_MPS, "metres a second")
@@ -97,6 +97,8 @@ class FlightPlan:
     finish : str                        "return", "land" or "loiter"
     speed_mps : float or None           of the flight; None: the aircraft's own
     duration_s : float or None          of what is planned, without a way home that is not
+    takeoff_s, landing_s : float        before and after that, from motors on to motors off; 0 where nobody knows
+    departs_s : float                   when it takes off, after the first of all flights was to
     home_altitude_m : float or None     of home, above the sea; None where nobody knows
     fences : of Fence
     landings : of (lat, lon)            where else it may come down
@@ -124,6 +126,9 @@ class FlightPlan:
     fences: tuple[Fence, ...] = ()
     landings: tuple[Place, ...] = ()
     kind: Literal["copter", "fixed_wing"] = "copter"
+    takeoff_s: float = 0.0
+    landing_s: float = 0.0
+    departs_s: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.waypoints:
@@ -135,6 +140,8 @@ class FlightPlan:
             _check("a speed", self.speed_mps, 0.001, MOST_MPS, "metres a second")
         if self.duration_s is not None:
             _check("a duration", self.duration_s, 0.0, np.inf, "seconds")
+        for name in ("takeoff_s", "landing_s", "departs_s"):
+            _check(name, getattr(self, name), 0.0, np.inf, "seconds")
         if self.home_altitude_m is not None:
             _check("the altitude of home", self.home_altitude_m, -MOST_M, MOST_M, "metres")
 
@@ -147,6 +154,17 @@ class FlightPlan:
     def length_m(self) -> float:
         """Metres over ground from the first waypoint to the last."""
         return float(ground_m(self.places).sum())
+
+    @property
+    def height(self) -> str:
+        """How high it flies, in words.
+
+        >>> FlightPlan("ridge", 0, (46.0, 11.0), (Waypoint(46.0, 11.0, 60.0), Waypoint(46.1, 11.0, 75.2))).height
+        '60 to 75 m above home'
+        """
+        heights = [each.altitude_m for each in self.waypoints]
+        low, high = min(heights), max(heights)
+        return f"{low:g} m above home" if low == high else f"{low:.0f} to {high:.0f} m above home"
 
     @property
     def speeds(self) -> Iterator[float | None]:

@@ -15,7 +15,10 @@ INK = ("ff1a6eff", "ffb4711f", "ff2ca02c", "ff9467bd", "ff17becf", "ffcf17be")  
 
 
 def kml(plans: Sequence[FlightPlan], aircraft: Aircraft) -> bytes:
-    """A folder for each flight. Heights are drawn above the ground, though they are flown above home's."""
+    """A folder for each flight. Heights are those above the sea where home's is known.
+
+    Where it is not, they are drawn above the ground, though they are flown above home's.
+    """
     folders = [_folder(plan, INK[number % len(INK)]) for number, plan in enumerate(plans)]
     return document(branch("kml", [branch("Document", folders)], {"xmlns": NAMESPACE}))
 
@@ -26,9 +29,10 @@ def lon_lat(lat: float, lon: float, *altitude_m: float) -> str:
 
 
 def _folder(plan: FlightPlan, ink: str) -> str:
-    line = " ".join(lon_lat(each.lat, each.lon, each.altitude_m) for each in plan.waypoints)
+    sea_m = plan.home_altitude_m
+    line = " ".join(lon_lat(each.lat, each.lon, (sea_m or 0.0) + each.altitude_m) for each in plan.waypoints)
     style = branch("Style", [branch("LineStyle", [leaf("color", ink), leaf("width", 3)])])
-    height = leaf("altitudeMode", "relativeToGround")
+    height = leaf("altitudeMode", "relativeToGround" if sea_m is None else "absolute")
     flown = branch("LineString", [leaf("tessellate", 1), height, leaf("coordinates", line)])
     landings = [_place(f"{plan.name}: may land here", place) for place in plan.landings]
     parts = [

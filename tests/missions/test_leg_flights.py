@@ -1,0 +1,236 @@
+"""Sorties along legs as aircraft are told them: the judged line, above the ground, in the judged time."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import rasterio
+import shapely
+
+from sooner.io.flights.aircraft import Aircraft
+from sooner.io.flights.qgroundcontrol import qgroundcontrol_plan
+from sooner.missions import score_plan
+from sooner.missions.chances import chances
+from sooner.missions.flight_plans import flights
+from sooner.motion import Terrain
+from sooner.problem import Plan
+from sooner.problem.leg_moves import places_of
+from tests.missions.drawn import place, raster
+from tests.missions.leg_missions import VEHICLE, leg_mission, there_and_back
+from tests.oracles.flown_file import Limits, fly_file
+
+ROUND = [[200, 900], [800, 900], [800, 100]]
+FAR = [[1400, 900], [1400, 300]]
+WIND = "[wind]\nspeed_mps = 6\nfrom_deg = 250"
+
+
+def metres_of(mission, plan):
+    """(n, 2): where its waypoints lie, by the projection and not by the code that wrote them."""
+    return mission.area.frame.metres(plan.places)
+
+
+def off_line(points, line):
+    """Metres of each point from a polyline."""
+    return shapely.distance(shapely.LineString(line), shapely.points(points))
+
+
+@pytest.mark.parametrize("hilly", [False, True])
+def test_waypoints_lie_on_the_judged_line_and_hold_all_its_turns(tmp_path, hilly):
+    score = there_and_back(leg_mission(tmp_path, 2, 2, hilly), ROUND, FAR)
+    told = flights(score)
+    names = [f"Ridge, drone {drone}, battery {battery}" for drone in (0, 1) for battery in (0, 1)]
+    assert [plan.name for plan in told.plans] == names
+    for plan, actions in zip(told.plans, score.plan.actions, strict=True):
+        line, found = places_of(actions), metres_of(score.mission, plan)
+        assert off_line(found, line).max() < 0.01
+        assert off_line(line, found).max() < 0.01
+        assert plan.finish == "return"
+        assert plan.home == pytest.approx(plan.places[-1], abs=1e-7)
+        assert (len(found) > len(line)) == hilly
+
+
+def test_a_drone_with_one_battery_is_called_by_its_number_alone(tmp_path):
+    told = flights(there_and_back(leg_mission(tmp_path, 2), ROUND))
+    assert [plan.name for plan in told.plans] == ["Ridge, drone 0", "Ridge, drone 1"]
+    assert [plan.name for plan in flights(there_and_back(leg_mission(tmp_path), ROUND)).plans] == ["Ridge"]
+
+
+@pytest.mark.parametrize("hilly", [False, True])
+@pytest.mark.parametrize("wind", ["", WIND])
+@pytest.mark.parametrize("end", ["", 'end = "farm"\n'])
+def test_they_take_what_the_judge_says(tmp_path, hilly, wind, end):
+    score = there_and_back(leg_mission(tmp_path, 1, 2, hilly, wind, searcher=end), ROUND, FAR)
+    told = flights(score)
+    assert len(told.plans) == 2
+    for plan, seconds in zip(told.plans, score.durations, strict=True):
+        assert plan.duration_s == seconds
+        path = tmp_path / "flight.plan"
+        path.write_bytes(qgroundcontrol_plan(plan, Aircraft()))
+        blown = score.mission.problem.searchers[0].moves.pace.wind
+        done = fly_file(path, Limits(2.0, 2.5, 1.5, 15.0, blown, (0.5, 10.0)))
+        assert done.between_s == pytest.approx(seconds, rel=0.015)  # 3 % is what is promised
+        vehicle, heights = score.mission.sorties[0].vehicle, [each.altitude_m for each in plan.waypoints]
+        ends = vehicle.climb_s(heights[0]) - vehicle.takeoff_s + vehicle.landing_s(heights[-1])  # to home's height
+        assert done.whole_s - done.between_s == pytest.approx(ends, rel=0.03)
+        assert done.top["off"] < 3.0
+
+
+def test_take_off_and_landing_are_told_apart_and_later_sorties_leave_later(tmp_path):
+    score = there_and_back(leg_mission(tmp_path, 1, 2), ROUND)
+    vehicle = score.mission.sorties[0].vehicle
+    first, second = flights(score).plans
+    assert (first.takeoff_s, first.landing_s) == (vehicle.climb_s(60.0), vehicle.landing_s(60.0))
+    assert first.departs_s == 0.0
+    assert second.departs_s == pytest.approx(1500 * 0.8 + 60)  # the whole first battery, and the swap
+
+
+def test_a_surface_above_home_takes_longer_to_climb_to_and_eats_of_the_reserve(tmp_path):
+    path = leg_mission(tmp_path, 1, 1, True)
+    pit = np.full((45, 70), 640.0, np.float32)
+    pit[40:43, 5:8] = 600.0  # home lies in it
+    raster(tmp_path / "heights.tif", pit, 25.0)
+    score = there_and_back(path, ROUND)
+    told, vehicle = flights(score), score.mission.sorties[0].vehicle
+    (plan,) = told.plans
+    climbs = plan.waypoints[0].altitude_m
+    assert climbs > 80.0
+    assert plan.takeoff_s == vehicle.climb_s(climbs) > vehicle.climb_s(60.0)
+    assert plan.landing_s == pytest.approx(vehicle.landing_s(climbs))
+    assert any("above home itself" in note for note in told.notes)
+
+
+# ---------------------------------------------------------------- terrain
+
+
+def test_terrain_is_followed_within_two_metres_and_never_lower_than_asked(tmp_path):
+    mission_file = leg_mission(tmp_path, 1, 1, True, searcher="altitude_m = 70\n")
+    score = there_and_back(mission_file, [[100, 950], [1400, 900], [200, 100], [1450, 150]])
+    (plan,) = flights(score).plans
+    area = score.mission.area
+    ground = Terrain(area.elevation, area.ground.cell_m)
+    surface = score.mission.problem.searchers[0].moves.pace.terrain
+    points, shares = metres_of(score.mission, plan), np.linspace(0.0, 1.0, 200)[:, None]
+    heights = np.array([each.altitude_m for each in plan.waypoints]) + plan.home_altitude_m
+    for (a, b), (low, high) in zip(pairwise(points), pairwise(heights), strict=True):
+        along, flown = a + shares * (b - a), low + shares[:, 0] * (high - low)
+        assert (flown - ground.heights_at(along)).min() >= 70.0 - 1e-3
+        assert np.abs(flown - surface.heights_at(along) - 70.0).max() < 2.0 + 0.1
+    assert len(plan.waypoints) < 80
+
+
+def test_home_is_as_high_as_the_raster_says(tmp_path):
+    path = leg_mission(tmp_path, 1, 1, True)
+    (plan,) = flights(there_and_back(path, ROUND)).plans
+    with rasterio.open(tmp_path / "heights.tif") as source:
+        ((lat, lon),) = [plan.home]
+        row, col = source.index(lon, lat)
+        assert plan.home_altitude_m == pytest.approx(float(source.read(1)[row, col]), abs=3.0)
+    assert plan.waypoints[0].altitude_m >= 60.0
+
+
+def test_a_valley_beneath_home_is_flown_below_it(tmp_path):
+    path = leg_mission(tmp_path, 1, 1, True)
+    slope = np.broadcast_to(np.linspace(900.0, 500.0, 70, dtype=np.float32), (45, 70))
+    raster(tmp_path / "heights.tif", slope, 25.0)
+    (plan,) = flights(there_and_back(path, FAR)).plans
+    assert min(each.altitude_m for each in plan.waypoints) < -200.0
+    assert plan.height.startswith("-")
+
+
+def test_nobody_says_how_high_the_ground_is(tmp_path):
+    told = flights(there_and_back(leg_mission(tmp_path, 2), ROUND))
+    assert {each.altitude_m for plan in told.plans for each in plan.waypoints} == {60.0}
+    assert [plan.home_altitude_m for plan in told.plans] == [None, None]
+    assert sum("how high the ground is" in note for note in told.notes) == 1
+    assert not [
+        note for note in flights(there_and_back(leg_mission(tmp_path, 1, 1, True), ROUND)).notes if "high the" in note
+    ]
+
+
+# ---------------------------------------------------------------- speed
+
+
+def test_a_head_wind_and_slopes_are_told_as_speeds(tmp_path):
+    strong = "[wind]\nspeed_mps = 9\nfrom_deg = 0"
+    still, windy, hilly = (
+        flights(there_and_back(leg_mission(tmp_path / name, 1, 1, high, wind), ROUND)).plans[0]
+        for name, high, wind in (("a", False, ""), ("b", False, strong), ("c", True, ""))
+    )
+    assert {each.speed_mps for each in still.waypoints} == {None}
+    north = next(each for each in windy.waypoints if each.speed_mps is not None)
+    assert north.speed_mps == pytest.approx(6.0, abs=0.6)  # 15 through the air, 9 against it, a little across
+    rises = np.diff([each.altitude_m for each in hilly.waypoints])
+    across = np.hypot(*np.diff(np.array(hilly.places) * [111_154.0, 77_300.0], axis=0).T)
+    speeds = np.array([12.0 if each.speed_mps is None else each.speed_mps for each in hilly.waypoints[1:]])
+    assert (rises / across * speeds).max() <= 2.5 * 1.02
+    assert (-rises / across * speeds).max() <= 1.5 * 1.02
+
+
+def test_a_camera_keeps_the_flight_slow_enough(tmp_path):
+    blurred = VEHICLE + "[camera]\nfov_deg = 60.0\npixels = 6000\nexposure_s = 0.00032\n"
+    path = leg_mission(tmp_path, vehicle=blurred)
+    path.write_text(path.read_text().replace("radius_m = 60.0", ""))
+    score = there_and_back(path, ROUND)
+    vehicle = score.mission.sorties[0].vehicle
+    (plan,) = flights(score).plans
+    assert plan.speed_mps == vehicle.cruise_mps(60.0) < 12.0
+
+
+# ---------------------------------------------------------------- how it ends
+
+
+def test_a_landing_elsewhere_is_where_the_mission_puts_it(tmp_path):
+    (plan,) = flights(there_and_back(leg_mission(tmp_path, searcher='end = "farm"\n'), ROUND)).plans
+    assert plan.finish == "land"
+    lon, lat = place(1300, 80)
+    assert plan.landings == (plan.places[-1],)
+    assert plan.places[-1] == pytest.approx((lat, lon), abs=1e-6)
+
+
+def test_a_plan_without_an_end_flies_home_round_what_is_forbidden(tmp_path):
+    path = leg_mission(tmp_path)
+    text = path.read_text().replace('vehicle = "vehicle.toml"\nbatteries = 1\n', "speed_mps = 10.0\naccel_mps2 = 2.0\n")
+    path.write_text(text + "[budget]\nseconds = 900\n")
+    score = there_and_back(path, [[900, 500]])
+    moves = score.mission.problem.searchers[0].moves
+    assert moves.end is None
+    actions = score.plan.actions[0][:2]
+    told = flights(score_plan(score.mission, Plan((actions,))))
+    (plan,) = told.plans
+    line = metres_of(score.mission, plan)
+    assert plan.finish == "return"
+    assert moves.airspace.holds(line)
+    assert any("does not count the" in note for note in told.notes)
+
+
+# ---------------------------------------------------------------- fences
+
+
+def test_fences_are_the_drawn_polygons(tmp_path):
+    score = there_and_back(leg_mission(tmp_path), ROUND)
+    told = flights(score)
+    frame = score.mission.area.frame
+    shapes = [(shapely.Polygon(frame.metres(fence.corners)), fence.inclusion) for fence in told.plans[0].fences]
+    (inside, stays), *others = shapes
+    assert stays
+    assert not any(inclusion for _, inclusion in others)
+    assert inside.symmetric_difference(shapely.Polygon(score.mission.area.polygon.exterior)).area < 1.0
+    out = shapely.union_all([shape for shape, _ in others])
+    forbidden = shapely.union_all(
+        [score.mission.area.no_fly, *map(shapely.Polygon, score.mission.area.polygon.interiors)]
+    )
+    assert out.symmetric_difference(forbidden).area < 1.0
+    assert not told.notes or "fences" not in " ".join(told.notes)
+
+
+# ---------------------------------------------------------------- maps and files
+
+
+def test_maps_of_a_flight_along_legs_add_up(tmp_path):
+    path = leg_mission(tmp_path)
+    path.write_text(path.read_text().replace("radius_m = 60.0", "sweep_width_m = 50"))
+    score = there_and_back(path, ROUND)
+    layers = chances(score)
+    assert (layers["poc-before"] * layers["pod"]).sum() == pytest.approx(score.evaluation.total, rel=1e-9)
+    np.testing.assert_allclose(layers["pod"].ravel(), 1.0 - np.exp(-score.looks))
+    assert layers["poc-after"].sum() == pytest.approx(1.0 - score.evaluation.total, rel=1e-9)
