@@ -42,6 +42,14 @@ def test_gpx_is_read_as_gdal_reads_it(tmp_path):
     assert "1 gap without fixes, 4 s in all" in track.notes[0]
 
 
+def test_what_a_recorder_left_blank_is_not_known(tmp_path):
+    blank = gpx(straight(3)).replace("<ele>1001.0</ele>", "<ele/>").replace("<ele>1002.0</ele>", "<ele> </ele>")
+    [track] = read_tracks(written(tmp_path, "a.gpx", blank.replace("<time>2024-05-03T12:00:01.000Z</time>", "<time/>")))
+    np.testing.assert_array_equal(track.altitude_m, [1000.0, np.nan])
+    assert track.times_s.tolist() == [0.0, 2.0]
+    assert "no time" in track.notes[0]
+
+
 def test_a_route_is_no_flight(tmp_path):
     path = written(tmp_path, "plan.gpx", "<gpx><rte><rtept lat='46' lon='9'/></rte></gpx>")
     with pytest.raises(DataFormatError, match=r"1 routes and no track came; expected GPX with a track.*planned"):

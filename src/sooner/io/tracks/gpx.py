@@ -49,9 +49,9 @@ class _Tracks:
     def end(self, tag: str, text: str) -> None:
         self.within.pop()
         above = self.within[-1] if self.within else ""
-        if above == "trkpt" and tag == "time":
+        if above == "trkpt" and tag == "time" and text:
             self.seconds = moment(self.path, self._here(), text)
-        elif above == "trkpt" and tag == "ele":
+        elif above == "trkpt" and tag == "ele" and text:
             self.altitude_m = number(self.path, self._here(), text, "expected metres above the sea")
         elif above == "trk" and tag == "name":
             self.name = text
