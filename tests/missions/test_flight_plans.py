@@ -267,5 +267,5 @@ def test_a_height_that_nothing_flies_at_is_refused_by_name(tmp_path):
     camera = "camera = { fov_deg = 1, altitude_m = 20000.0, pixels = 4000, exposure_s = 0.000001 }"
     text = over_regions("start = [3, 3]\n").replace("radius_m = 40.0", camera)
     mission = read_mission(located(tmp_path, text, 0.9 * hills()))
-    with pytest.raises(DataFormatError, match=r"searcher\[0\]: an altitude of 20000.0 came; expected -10000 to 10000 m"):
+    with pytest.raises(DataFormatError, match=r"searcher\[0\]: an altitude of 20000.0 came; expected -10000 to "):
         flights(greedily(mission))
