@@ -8,12 +8,15 @@ from typing import Any
 import numpy as np
 import shapely
 
+from sooner.errors import InfeasibleProblemError, InvalidProblemError
 from sooner.grid import Grid
 from sooner.grid.airspace import Airspace
 from sooner.motion.pace import Pace, Terrain
+from sooner.planners import Planner
+from sooner.planners.planner import follow
 from sooner.problem import Searcher, SearchProblem
 from sooner.problem.gains import effort_gains
-from sooner.problem.leg_moves import LegMoves
+from sooner.problem.leg_moves import LegMoves, places_of
 from sooner.sensors.swath import Swath
 
 
@@ -88,9 +91,9 @@ def pace(rng: np.random.Generator, grid: Grid) -> Pace:
 def swath(rng: np.random.Generator, grid: Grid) -> Swath:
     """Any law."""
     radius = grid.cell_m * float(rng.uniform(0.4, 2.5))
-    law = rng.choice(["seen", "even", "cube"])
-    if law == "seen":
-        return Swath.seen(grid, radius)
+    law = rng.choice(["seen", "edged", "even", "cube"])
+    if law in ("seen", "edged"):
+        return Swath.seen(grid, radius) if law == "seen" else Swath.edged(grid, radius)
     return Swath.of_width(grid, rng.uniform(0, radius, grid.shape), radius, law)
 
 
@@ -120,6 +123,76 @@ def leg_world(
     return SearchProblem(grid, effort_gains(0.9 * poc / poc.sum()), tuple(team))
 
 
+@dataclass(frozen=True)
+class Flown:
+    """What came of one random area: what was refused and why, or what the flights were worth and what broke a rule."""
+
+    refused: str = ""
+    value: float = 0.0
+    share: float = 0.0
+    broken: tuple[str, ...] = ()
+
+
+def fly_area(seed: int, planner: Planner, ticks: int = 8) -> Flown:
+    """Draw an area and a search over it, anything at all; plan it, or keep the words of the refusal."""
+    rng = np.random.default_rng(seed)
+    drawn = ground(rng)
+    try:
+        problem = _any_search(rng, drawn)
+        advance = follow(planner.plans(problem, rng))
+        for tick in range(ticks):
+            incumbent = advance(tick / ticks)
+            if incumbent is None:
+                break
+            best = incumbent
+    except (InvalidProblemError, InfeasibleProblemError) as error:
+        return Flown(f"{type(error).__name__}: {error}")
+    broken, shares = [], []
+    for number, (searcher, actions) in enumerate(zip(problem.searchers, best.plan.actions, strict=True)):
+        points, each = places_of(actions), searcher.moves
+        seconds = seconds_of(points[turns(points)], each.pace, 0.5)
+        if seconds > searcher.budget:  # steps were too long, or the sortie is
+            seconds = seconds_of(points[turns(points)], each.pace, 0.01)
+        shares.append(seconds / searcher.budget)
+        if not drawn.allows(points):
+            broken.append(f"sortie {number} leaves the area or enters a zone")
+        if seconds > searcher.budget * 1.001 + 0.01:
+            broken.append(f"sortie {number} takes {seconds} s of {searcher.budget} s")
+        if tuple(points[0]) != each.home or (each.end is not None and tuple(points[-1]) != each.end):
+            broken.append(f"sortie {number} does not fly from its home to where it lands")
+    return Flown("", best.value, float(np.mean(shares)), tuple(broken))
+
+
+def _any_search(rng: np.random.Generator, drawn: Ground) -> SearchProblem:
+    """One to three sorties, wherever they start and land: in the area, on a zone, beyond the border."""
+    space = Airspace(drawn.free)
+    cells = int(rng.integers(8, 25))
+    grid = Grid((cells, cells), cell_m=drawn.side_m / cells)
+    flies, sees = pace(rng, grid), swath(rng, grid)
+    if rng.random() < 0.02:
+        flies = Pace(10.0, 2.0, 8.0, (8.0, 1.0))
+    inside = places_in(rng, space, 4) if rng.random() < 0.9 else rng.uniform(0, drawn.side_m, (4, 2)).round(2)
+    poc = rng.random(grid.n_cells) ** 4
+    team, home = [], tuple(inside[0])
+    for number in range(int(rng.integers(1, 4))):
+        end = (home, tuple(inside[1 + number]), None)[int(rng.integers(0, 3))]
+        budget = float(np.exp(rng.uniform(np.log(5.0), np.log(900.0))))
+        team.append(Searcher((0, 0), budget, moves=LegMoves(space, flies, sees, home, end)))
+    return SearchProblem(grid, effort_gains(0.9 * poc / poc.sum()), tuple(team))
+
+
+def turns(points) -> list[int]:
+    """Where a polyline begins, turns and ends; it is flown through what lies straight ahead."""
+    kept = [0]
+    for k in range(1, len(points) - 1):
+        here, there = points[k] - points[kept[-1]], points[k + 1] - points[k]
+        if not here.any():
+            kept[-1] = k
+        elif there.any() and math.atan2(abs(here[0] * there[1] - here[1] * there[0]), here @ there) > 1e-6:
+            kept.append(k)
+    return [*kept, len(points) - 1]
+
+
 def places_in(rng: np.random.Generator, space: Airspace, count: int) -> np.ndarray:
     """(count, 2): places that may be flown to."""
     west, south, east, north = space.free.bounds
@@ -129,7 +202,7 @@ def places_in(rng: np.random.Generator, space: Airspace, count: int) -> np.ndarr
         found = np.concatenate([found, tried[space.sees(tried)]])
         if len(found) >= count:
             return found[:count]
-    raise AssertionError("an airspace without places came")
+    raise InvalidProblemError("an airspace without places came")
 
 
 def seconds_of(points, flies: Pace, step_m: float = 0.05) -> float:

@@ -2,6 +2,7 @@
 
 import copy
 import os
+import re
 
 import numpy as np
 import pytest
@@ -23,8 +24,8 @@ from sooner.problem import Objective, Searcher, SearchProblem, evaluate
 from sooner.problem.gains import effort_gains
 from sooner.problem.leg_moves import LegMoves, places_of
 from sooner.sensors.swath import Swath
+from tests.grounds import fly_area, leg_world, seconds_of, turns
 from tests.grounds import ground as random_ground
-from tests.grounds import leg_world, seconds_of
 
 uncompiled = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 compiled_only = pytest.mark.skipif(uncompiled, reason="walks over a lattice take long uncompiled")
@@ -120,21 +121,11 @@ def check(problem, planner, ticks):
     generator.close()
     for actions, searcher in zip(incumbent.plan.actions, problem.searchers, strict=True):
         points, each = places_of(actions), searcher.moves
-        assert seconds_of(points[_turns(points)], each.pace, 1.0) <= searcher.budget * 1.01 + 0.1
+        assert seconds_of(points[turns(points)], each.pace, 1.0) <= searcher.budget * 1.01 + 0.1
     first, again = (solve(problem, planner, max_ticks(3), seed=5).best for _ in range(2))
     assert first.plan == again.plan
     assert np.array_equal(before[0], problem.gains.table)
     return incumbent
-
-
-def _turns(points):
-    """Where a polyline begins, turns and ends."""
-    kept = [0]
-    for k in range(1, len(points) - 1):
-        here, there = points[k] - points[kept[-1]], points[k + 1] - points[k]
-        if abs(here[0] * there[1] - here[1] * there[0]) > 1e-9 or here @ there < 0:
-            kept.append(k)
-    return [*kept, len(points) - 1]
 
 
 quick = LegAnneal(moves=400, threads=1)
@@ -224,3 +215,22 @@ def test_first_routes_are_legal(seed, searchers):
     problem = world(seed, searchers)
     ground = LegGround(problem)
     evaluate(problem, ground.plan(lane_routes(ground, seed % 7 / 2.0, 80.0)))
+
+
+REFUSALS = (
+    r"searcher \d: no way from",
+    r"searcher \d: the way home alone takes .* s; the budget is",
+    r"searcher \d: a wind of .* and at most 8 m/s through the air",
+    r"(home|end) at .* m came, which does not lie in the airspace",
+    r"an airspace of .* without ground came",
+    r"an airspace without places came",
+)
+
+
+@compiled_only
+@settings(max_examples=150)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_over_random_areas_no_leg_crosses_and_no_sortie_is_late_or_a_refusal_says_why(seed):
+    flown = fly_area(seed, LegAnneal(moves=200, threads=1), ticks=3)
+    assert flown.broken == ()
+    assert not flown.refused or any(re.search(words, flown.refused) for words in REFUSALS)
