@@ -9,12 +9,14 @@ import pytest
 from sooner.io.flights import FlightPlan, Waypoint
 from sooner.io.flights.aircraft import Aircraft
 from sooner.io.flights.qgroundcontrol import qgroundcontrol_plan
-from sooner.missions import read_mission
+from sooner.missions import read_mission, score_plan
 from sooner.missions.flight_plans import flights
 from sooner.missions.over_regions import dynamics_of
 from sooner.missions.vehicles import Vehicle
 from sooner.missions.winds import WindSettings
 from sooner.motion import Dynamics, Pace, Terrain
+from sooner.planners import solve
+from sooner.planners.registry import make_planner
 from tests.georeferenced import DOLOMITES, greedily, hills, located, over_regions, rocks
 from tests.oracles.flown_file import Limits, fly_file
 
@@ -94,6 +96,50 @@ def test_missions_over_regions_take_what_they_say(tmp_path, end, area):
     assert (done.top["speed"], done.top["accel"]) <= (drone.v_max * 1.001, drone.a_max * 1.001)
     if end:
         assert done.between_s == pytest.approx(score.durations[0], rel=CLOSE)
+
+
+LEGS = """
+[area]
+poc = "poc.tif"
+obstacles = "rocks.tif"
+[sensor]
+glimpse = 1
+radius_m = 20.0
+[[searcher]]
+moves = "legs"
+start = [3, 3]
+vehicle = "drone.toml"
+batteries = 2
+altitude_m = 60
+[wind]
+speed_mps = 6
+from_deg = 240
+[budget]
+seconds = 1000
+"""
+
+DRONE = """
+speed_mps = 10
+accel_mps2 = 2
+airspeed_mps = 14
+climb_mps = 4
+descent_mps = 2
+endurance_s = 400
+reserve = 0.2
+swap_s = 60
+"""
+
+
+def test_sorties_along_legs_in_wind_take_what_they_say_and_keep_the_reserve(tmp_path):
+    (tmp_path / "drone.toml").write_text(DRONE)
+    mission = read_mission(located(tmp_path, LEGS, hills(), rocks=rocks()))
+    plan = solve(mission.problem, make_planner("parallel-track")).best.plan
+    made = flights(score_plan(mission, plan)).plans
+    assert len(made) == 2
+    for flight, searcher in zip(made, mission.problem.searchers, strict=True):
+        done = flown(tmp_path, flight, limits_of(searcher.moves.pace))
+        assert done.between_s == pytest.approx(flight.duration_s, rel=CLOSE)
+        assert done.whole_s <= (400 - 80) * 1.005
 
 
 @pytest.mark.parametrize("seed", range(4))
