@@ -1,5 +1,7 @@
 """Spirals about one home: round trips that sweep what lies about it, once."""
 
+from itertools import islice
+
 import numpy as np
 import pytest
 import shapely
@@ -9,7 +11,8 @@ from hypothesis import strategies as st
 from sooner.grid import Grid
 from sooner.grid.airspace import Airspace
 from sooner.motion.pace import Pace
-from sooner.planners.leg_ground import LegGround
+from sooner.planners.leg_ground import LegGround, Routes
+from sooner.planners.leg_seeds import first_routes
 from sooner.planners.leg_spirals import spiral_loop, spiral_routes
 from sooner.problem import Searcher, SearchProblem, evaluate
 from sooner.problem.gains import effort_gains
@@ -79,3 +82,10 @@ def test_among_walls_routes_are_legal_by_the_judge(seed, searchers):
     routes = spiral_routes(ground, 40.0, 1.0)
     assert routes is not None
     evaluate(ground.problem, ground.plan(routes))
+
+
+def test_with_time_to_spare_nothing_is_left_unseen():
+    problem = open_world(2, 20_000.0)
+    ground = LegGround(problem)
+    best = max(Routes(ground, routes, ground.fine).value for routes in islice(first_routes(ground, None), 7))
+    assert best == pytest.approx(1.0)

@@ -22,6 +22,7 @@ __all__ = ["first_routes", "lane_routes", "lattice_routes"]
 HALVINGS = 12  # of the share of the ground that lanes cover
 LATTICE_TICKS = 24  # of the walk over a lattice
 MOST_LATTICE = 40_000  # nodes
+OVERLAPPED = 0.9  # of the swath between arms of a spiral, where there is time to leave no gap
 
 
 def lane_routes(ground: LegGround, angle: float, spacing: float) -> list[Route]:
@@ -193,8 +194,8 @@ def first_routes(ground: LegGround, rng: Generator) -> Iterator[list[Route]]:
     width = max(ground.moves[0].swath.width_m, ground.problem.grid.cell_m)
     for angle in (0.0, pi / 2, pi / 4, 3 * pi / 4):
         yield lane_routes(ground, angle, width)
-    for sense in (1.0, -1.0):
-        spirals = spiral_routes(ground, width, sense)
+    for apart, sense in ((width, 1.0), (width, -1.0), (OVERLAPPED * width, 1.0)):
+        spirals = spiral_routes(ground, apart, sense)
         if spirals is not None:
             yield spirals
     for angle in (0.0, pi / 4):
