@@ -116,6 +116,30 @@ def test_a_look_comes_when_the_leg_is_nearest(line, law):
         assert whole[2] == pytest.approx(at_m)
 
 
+@settings(max_examples=60)
+@given(line=lines, cuts=st.integers(1, 9), radius=st.floats(2.0, 45.0))
+def test_at_the_edge_of_what_is_in_view_no_cut_of_a_leg_gains(line, cuts, radius):
+    swath = Swath.edged(ground, radius)
+    for start, end in pairwise(line):
+        whole = laid(swath, np.array([start, end]))
+        cut = laid(swath, np.linspace(start, end, cuts + 2))
+        assert np.isfinite(whole).all()
+        assert (np.minimum(cut, SURE) <= whole + 1e-6).all()
+        assert (whole <= laid(Swath.seen(ground, swath.radius_m), np.array([start, end])) + 1e-9).all()
+
+
+@given(aside=st.floats(0.0, 40.0), radius=st.floats(5.0, 30.0), cuts=st.integers(0, 40))
+@settings(max_examples=80)
+def test_a_long_leg_sees_the_share_of_a_cell_that_its_swath_covers(aside, radius, cuts):
+    one = Grid((1, 1), cell_m=10.0)
+    swath = Swath.edged(one, radius)
+    share = min(max((radius + 5.0 - aside) / 10.0, 0.0), 1.0)
+    line = np.column_stack([np.linspace(-100, 100, cuts + 2), np.full(cuts + 2, aside)])
+    found = pod(np.bincount(*swath.effort(one, line)[:2], minlength=1))[0] if share > 0 else 0.0
+    assert found == pytest.approx(share, abs=1e-9 if cuts == 0 else 0.03)
+    assert found <= share + 1e-9
+
+
 # ---------------------------------------------------------------- Koopman 1956
 
 

@@ -17,6 +17,19 @@ NEAREST = 1e-3  # share of the radius nearer than which the inverse cube does no
 
 
 @njit(cache=True, nogil=True)
+def edge_effort(aside2, off2, along, length, inner, radius, edge):
+    """Effort at the edge of what is in view: of a whole pass -ln(1 - f), of a part of it that part, so that a leg cut
+    in two is worth no more; and no more than the share f in view where the leg is nearest.
+    """
+    half = math.sqrt(radius * radius - aside2)
+    part = max(min(along + half, length) - max(along - half, 0.0), 0.0) / (2.0 * half)
+    here = -math.log(max(1.0 - (radius - math.sqrt(off2)) / edge, 1e-17))
+    if aside2 <= inner * inner:
+        return part * here
+    return min(part * -math.log(max(1.0 - (radius - math.sqrt(aside2)) / edge, 1e-17)), here)
+
+
+@njit(cache=True, nogil=True)
 def effort_on(east, north, along_x, along_y, length, radius, law, strength):
     """Effort of one leg on a place `east` and `north` of its start, and the metres along it at which it is nearest.
 
@@ -37,7 +50,7 @@ def effort_on(east, north, along_x, along_y, length, radius, law, strength):
             return SURE, nearest
         if off2 >= radius * radius:
             return 0.0, nearest
-        return -math.log(1.0 - (radius - math.sqrt(off2)) / strength), nearest
+        return edge_effort(aside2, off2, along, length, inner, radius, strength), nearest
     half2 = radius * radius - aside2
     if half2 <= 0.0:
         return 0.0, 0.0

@@ -80,7 +80,8 @@ class Swath:
         f = (R + h / 2 - d) / h within [0, 1],   d to the cell's centre, h the side of a cell
 
         So a lane is as wide as it is, wherever it lies between the centres of cells. Parts of one cell that different
-        legs see count as if they lay at random: 1 - (1 - f_1)(1 - f_2); where lanes just meet, they see more.
+        legs see count as if they lay at random: 1 - (1 - f_1)(1 - f_2); where lanes just meet, they see more. A part of
+        a pass has that part of its effort -ln(1 - f), so that to cut a leg in two gains nothing.
         """
         return cls(radius_m + grid.cell_m / 2, "edged", np.full(grid.n_cells, grid.cell_m))
 
