@@ -50,6 +50,7 @@ def tell_exported(exported: Exported, folder: Folder) -> None:
         known = "" if plan.duration_s is None else f", {clock(plan.duration_s)}"
         ends = plan.takeoff_s + plan.landing_s
         known += f" and {clock(ends)} to take off and land" if ends else ""
+        known += f", takes off at {clock(plan.departs_s)}" if plan.departs_s else ""
         print(f"{plan.name}: {len(plan.waypoints)} waypoints, {plan.length_m:.0f} m{known}, {plan.height}")
     for note in exported.flights.notes:
         say(f"note: {note}")

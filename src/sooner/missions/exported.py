@@ -46,6 +46,7 @@ class Exported:
                 for name, known in self.formats.items()
             ],
             "searchers": [_told(plan) for plan in self.flights.plans],
+            "separation": None if self.flights.separation is None else self.flights.separation.result(),
             "notes": list(self.flights.notes),
         }
 

@@ -15,9 +15,12 @@ from sooner.io.georeference import Georeference
 from sooner.missions.drawn_fences import drawn_fences
 from sooner.missions.fences import fences
 from sooner.missions.leg_flights import label, leg_flight
+from sooner.missions.leg_tracks import leg_track
 from sooner.missions.mission_file import Mission
 from sooner.missions.over_regions import dynamics_of
 from sooner.missions.score import Score
+from sooner.missions.separation import STEP_S, Apart, Separation, separated
+from sooner.missions.separations import SeparationSettings
 from sooner.missions.settings import Place as OnGlobe
 from sooner.motion.kinematics import Dynamics, corners
 from sooner.problem.regions import RegionMoves
@@ -41,11 +44,13 @@ class Flights:
     plans : of FlightPlan       one for each searcher
     own : of tuple of str       what whoever flies each of them should know
     shared : of str             what concerns all of them
+    separation : Separation or None     how they are kept apart; None for one drone, and but along legs
     """
 
     plans: tuple[FlightPlan, ...]
     own: tuple[tuple[str, ...], ...]
     shared: tuple[str, ...] = ()
+    separation: Separation | None = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -103,9 +108,12 @@ def flights(score: Score) -> Flights:
     waypoint, where the plan waits the aircraft holds. A drone whose mission has an end away from
     its start lands there; every other flies home at last, around obstacles where the straight way is not free.
 
+    Several drones along legs keep apart: where two would come too near to each other, one takes off later.
+
     Raises
     ------
-    DataFormatError         if the mission does not say where on the globe it lies, or a speed that the plan needs
+    DataFormatError         if the mission does not say where on the globe it lies, or a speed that the plan needs; or
+                            if drones would have to wait for each other longer than they may
     """
     mission, ground = score.mission, check_place(score.mission)
     plans, own = [], []
@@ -119,8 +127,45 @@ def flights(score: Score) -> Flights:
         name = label(mission, number) if mission.over_legs else f"drone {number}"
         plans.append(plan)
         own.append(tuple(f"{name}: {note}" for note in notes))
-    levels = _ground(mission) if mission.over_legs else _levels(tuple(plans))
-    return Flights(tuple(plans), tuple(own), (*_scale(mission, ground), *levels))
+    if not mission.over_legs:
+        return Flights(tuple(plans), tuple(own), (*_scale(mission, ground), *_levels(tuple(plans))))
+    return _kept_apart(score, Flights(tuple(plans), tuple(own), (*_scale(mission, ground), *_ground(mission))))
+
+
+def _kept_apart(score: Score, told: Flights) -> Flights:
+    """The same flights with take-offs put off where they must be, and how near they then come."""
+    mission = score.mission
+    if len({sortie.drone for sortie in mission.sorties}) == 1:
+        return told
+    said = mission.settings.separation or SeparationSettings()
+    tracks = [leg_track(score, number, plan) for number, plan in enumerate(told.plans)]
+    found = separated(tracks, Apart(said.horizontal_m, said.vertical_m, said.wait_s), str(mission.path))
+    plans = tuple(
+        replace(plan, departs_s=plan.departs_s + delay) for plan, delay in zip(told.plans, found.delays_s, strict=True)
+    )
+    kept = f"to keep {said.horizontal_m:g} m on the map or {said.vertical_m:g} m in height from others"
+    own = tuple(
+        (*notes, f"{track.name}: takes off {delay:.0f} s later than planned, {kept}") if delay else notes
+        for track, notes, delay in zip(tracks, told.own, found.delays_s, strict=True)
+    )
+    return Flights(plans, own, (*told.shared, *_near(mission, found, [track.name for track in tracks])), found)
+
+
+def _near(mission: Mission, found: Separation, names: list[str]) -> tuple[str, ...]:
+    """How near flights come to each other, and how much longer all takes."""
+    nearest = min(found.meetings, key=lambda each: each.share, default=None)
+    if nearest is None:
+        return ("no two drones are in the air at once",)
+    a, b = (names[number] for number in nearest.flights)
+    near = f"{nearest.horizontal_m:.0f} m on the map with {nearest.vertical_m:.0f} m in height"
+    told = [f"{a} and {b} come nearest to each other of all, after {nearest.time_s:.0f} s: {near} between them"]
+    longer, whole = found.ends_s - found.planned_s, mission.settings.budget.seconds
+    if longer > 0:
+        past = f", past budget.seconds = {whole:g}" if whole is not None and found.ends_s > whole + STEP_S else ""
+        told.append(
+            f"as take-offs wait, the last lands {longer:.0f} s later than planned, after {found.ends_s:.0f} s{past}"
+        )
+    return tuple(told)
 
 
 # ---------------------------------------------------------------- one flight

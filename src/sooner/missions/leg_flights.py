@@ -23,7 +23,7 @@ from sooner.motion.kinematics import corners
 from sooner.motion.pace import Pace, Terrain
 from sooner.problem.leg_moves import LegMoves, places_of
 
-__all__ = ["OFF_M", "Sky", "label", "leg_flight"]
+__all__ = ["OFF_M", "Sky", "homeward", "label", "leg_flight"]
 
 OFF_M = 2.0  # from the surface that is followed, by straight lines between waypoints
 ALIKE = 0.005  # share by which speeds may differ untold
@@ -65,7 +65,7 @@ def leg_flight(score: Score, number: int, ground: Georeference) -> tuple[FlightP
     assert isinstance(moves, LegMoves)
     said = mission.settings.searcher[sortie.drone]
     line = places_of(score.plan.actions[number])
-    finish, home_line, notes = _homeward(moves, line)
+    finish, home_line, notes = homeward(moves, line)
     sky = _sky(mission, moves, np.concatenate([line, home_line]), sortie.altitude_m)
     places = [(float(lat), float(lon)) for lat, lon in places_on_globe(mission.problem, ground, sky.points)]
     if finish == "land" and isinstance(said.end, OnGlobe):
@@ -99,7 +99,7 @@ def _waypoints(places: list[tuple[float, float]], sky: Sky, usual_mps: float) ->
     )
 
 
-def _homeward(moves: LegMoves, line: Floats) -> tuple[Finish, Floats, tuple[str, ...]]:
+def homeward(moves: LegMoves, line: Floats) -> tuple[Finish, Floats, tuple[str, ...]]:
     """How a flight ends, the way home where the plan has none, and what the plan does not count."""
     none = np.zeros((0, 2))
     if moves.end is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel
 
 from sooner.io.reference import about, keys_table
+from sooner.missions.separations import SeparationSettings
 from sooner.missions.settings import (
     Area,
     Budget,
@@ -164,6 +165,7 @@ _TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[estimator]", Estimating),
     ("[regions]", Cutting),
     ("[links]", Hearing),
+    ("[separation]", SeparationSettings),
 )
 
 _NAMED = (CameraSettings, Window, Drawing, Segments, LastKnown, LandCover)

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from sooner.errors import Fault
+from sooner.missions.separations import SeparationSettings
 from sooner.missions.winds import WindSettings
 
 __all__ = [
@@ -467,6 +468,7 @@ class Settings(_Table):
     regions: Cutting | None = None
     links: Hearing | None = None
     wind: WindSettings | None = None
+    separation: SeparationSettings | None = None
 
     @property
     def over_regions(self) -> bool:
@@ -531,7 +533,7 @@ def misplaced(settings: Settings, file: str) -> list[Fault]:
         own, shared = _STREET_KEYS[name], _SHARED_KEYS[name]
         wrong = table.model_fields_set - own - shared if flown else table.model_fields_set & own
         faults += [Fault(file, f"{key}.{each}", came, expected) for each in type(table).model_fields if each in wrong]
-    for name in ("regions", "wind") if flown else ("target", "estimator"):
+    for name in ("regions", "wind", "separation") if flown else ("target", "estimator"):
         if getattr(settings, name) is not None:
             faults.append(Fault(file, name, came, expected))
     return faults
@@ -544,6 +546,8 @@ def not_yet(settings: Settings, file: str) -> list[Fault]:
     def refuse(key: str, came: str, instead: str) -> None:
         faults.append(Fault(file, key, f"{came} came, which this version does not do yet", instead))
 
+    if settings.separation is not None and not (settings.over_legs or settings.over_waypoints):
+        refuse("separation", "how far drones keep apart", 'give moves = "legs", or leave it out')
     if not settings.over_legs:
         for key in ("sweep_width_m", "law"):
             if getattr(settings.sensor, key) is not None:

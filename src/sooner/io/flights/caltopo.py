@@ -39,6 +39,8 @@ def _about(plan: FlightPlan) -> str:
     told = [f"drone {plan.searcher}", f"{plan.length_m:.0f} m", plan.height]
     if plan.duration_s is not None:
         told.append(f"{plan.duration_s:.0f} s")
+    if plan.departs_s:
+        told.append(f"takes off after {plan.departs_s:.0f} s")
     return ", ".join(told)
 
 
