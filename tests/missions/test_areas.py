@@ -8,6 +8,8 @@ from sooner.missions import read_mission
 from sooner.missions.faults import Faults
 from sooner.missions.layers import Layers
 from sooner.missions.settings import Settings
+from sooner.planners import solve
+from sooner.planners.registry import make_planner
 from tests.missions.drawn import LAT, LON, box, drawn, mission, place, point, polygon_of, raster
 
 AREA = box(0, 0, 1000, 1000, (300, 300, 500, 600))
@@ -416,3 +418,90 @@ def test_nothing_is_written_where_a_mission_is_refused(folder):
 
 def test_the_corner_is_where_tests_think_it_is():
     assert LocalFrame.around(polygon_of(AREA), 50.0).metres([[LAT, LON]])[0].max() < 100.0
+
+
+# ---------------------------------------------------------------- where drones may be beyond the search area
+
+CAR_PARK = ("car park", point(-250, 500))
+FLIGHT = 'flight_area = { file = "flight.geojson", title = "flight" }'
+LEGS = 'start = "car park"\nend = "car park"\nmoves = "legs"\nspeed_mps = 12\naccel_mps2 = 2'
+REGIONS = LEGS.replace("legs", "regions")
+
+
+@pytest.fixture
+def beyond(folder):
+    drawn(folder / "flight.geojson", ("flight", box(-350, -100, 1100, 1100)), CAR_PARK)
+    drawn(folder / "beside.geojson", ("flight", box(1500, 0, 2000, 500)), ("car park", point(1600, 100)))
+    drawn(folder / "west.geojson", ("flight", box(-350, -100, 500, 1100)), CAR_PARK)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("searcher", "sensor", "budget"),
+    [
+        ('start = "car park"\nend = "car park"', "glimpse = 0.7", "steps = 60"),
+        (REGIONS, "radius_m = 60", "seconds = 400"),
+        (LEGS, "radius_m = 60", "seconds = 400"),
+    ],
+    ids=["cells", "regions", "legs"],
+)
+def test_drones_start_beside_the_search_area_and_look_for_nobody_there(beyond, searcher, sensor, budget):
+    found = read_mission(mission(beyond, f"{POLYGON}\n{FLIGHT}\nmargin_m = 10", searcher, sensor, budget))
+    assert found.belief is not None
+    whole, corner = found.area.polygon, found.area.frame.metres([[LAT, LON]])[0]
+    assert found.area.flyable(10.0).area == pytest.approx(1430 * 1180, rel=0.01)
+    grid = found.problem.grid
+    away = np.array([whole.distance(shapely.Point(each)) for each in grid.centres_m])
+    poc = found.belief.poc.ravel()
+    assert not poc[away > 75.0].any()
+    assert poc.sum() == pytest.approx(1.0)
+    assert corner[0] > 300  # the grid holds the car park too
+    best = solve(found.problem, make_planner("parallel-track" if found.over_legs else "greedy"), seed=1).best
+    assert best.value > 0.02
+
+
+def test_evidence_beyond_the_search_area_is_of_nobody_where_drones_may_be_there(beyond):
+    raster(beyond / "theta.tif", np.full((40, 60), 0.4), west=-800.0, north=1500.0)
+    found = layers(mission(beyond, f'{POLYGON}\n{FLIGHT}\nevidence = "theta.tif"', 'start = "car park"'))
+    assert set(np.unique(found.theta.round(9))) == {0.0, 0.4}
+    assert (found.theta > 0).sum() * 2500.0 == pytest.approx(found.area.polygon.area, rel=0.2)
+
+
+def test_cells_out_of_the_flight_area_are_shut(beyond):
+    told = f'{POLYGON}\nflight_area = {{ file = "west.geojson", title = "flight" }}'
+    found = layers(mission(beyond, told, 'start = "car park"'))
+    free = ~found.obstacles
+    east = np.indices(found.shape)[1] * 50.0
+    edge = found.area.frame.metres([list(reversed(place(500, 0)))])[0][0]
+    assert free.any()
+    assert east[free].max() + 25.0 <= edge + 1e-6
+    assert any("of the search area lies beyond the flight area" in note for note in found.notes)
+
+
+def test_a_place_beyond_the_flight_area_is_refused_with_its_distance(beyond):
+    told = f'{POLYGON}\n{FLIGHT}\npoints = "far.geojson"'
+    with_files(beyond)
+    refused(mission(beyond, told, 'start = "far"'), "searcher[0].start", "m out of the flight area")
+
+
+def test_a_flight_area_elsewhere_is_refused_with_its_distance(beyond):
+    told = f'{POLYGON}\nflight_area = {{ file = "beside.geojson", title = "flight" }}'
+    refused(mission(beyond, told, 'start = "car park"'), "area.flight_area", "500 m from the search area")
+
+
+def test_circles_that_the_mission_tells_are_not_flown_over(folder):
+    lon, lat = place(700, 500)
+    told = f"{POLYGON}\nno_fly = [{{ lat = {lat}, lon = {lon}, radius_m = 120 }}]"
+    assert layers(mission(folder, told)).area.no_fly.area == pytest.approx(np.pi * 120**2, rel=0.01)
+    refused(mission(folder, f"{POLYGON}\nno_fly = {{ lat = 46.1, radius_m = 120 }}"), "area.no_fly", "lon")
+
+
+@pytest.mark.parametrize(
+    "sensor",
+    ["sweep_width_m = 80", "[sensor.camera]\nfov_deg = 90\naltitude_m = 40\npixels = 2000\nexposure_s = 0.0005"],
+    ids=["sweep width", "camera"],
+)
+def test_an_area_that_one_look_covers_is_refused_along_legs(folder, sensor):
+    drawn(folder / "tiny.geojson", ("Tiny", box(0, 0, 20, 20)), ("car park", point(10, 10)))
+    told = 'polygon = { file = "tiny.geojson", title = "Tiny" }\ncell_m = 5'
+    refused(mission(folder, told, LEGS, sensor, "seconds = 300"), "area.polygon", "one look covers 5027 m2")

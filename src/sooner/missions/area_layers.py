@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, radians, tan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +21,17 @@ from sooner.missions.sketch import Sketch
 if TYPE_CHECKING:
     from sooner.io.warped import Warped
 
-__all__ = ["LEAST_TOLD", "Ground", "blocked", "brought", "filled", "grid_over", "lies_on_globe", "real_area"]
+__all__ = [
+    "LEAST_TOLD",
+    "Ground",
+    "blocked",
+    "brought",
+    "check_seen",
+    "filled",
+    "grid_over",
+    "lies_on_globe",
+    "real_area",
+]
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +44,7 @@ DISC_CORNERS = 16  # of a quarter of a circle around a point that nobody flies o
 def lies_on_globe(faults: Faults, settings: Settings) -> bool:
     """Whether a grid of its own is laid over the area: where it is drawn, or its first raster cannot be it."""
     area = settings.area
-    if any(each is not None for each in (area.polygon, area.segments, area.last_known, area.frame)):
+    if any(each is not None for each in (area.polygon, area.flight_area, area.segments, area.last_known, area.frame)):
         return True
     name = area.evidence if area.poc is None else area.poc
     if name is None or not name.lower().endswith((".tif", ".tiff")):
@@ -55,9 +65,10 @@ class Ground:
     ----------
     frame : LocalFrame
     sketch : Sketch
-    polygon : geometry          the area, in metres
+    polygon : geometry          the search area, in metres
     inside : (H, W) float       share of each cell that lies in it
     notes : tuple of str
+    flight_area : geometry or None   where drones may be, in metres; None where that is the search area
     """
 
     frame: LocalFrame
@@ -65,6 +76,7 @@ class Ground:
     polygon: Any
     inside: Floats
     notes: tuple[str, ...]
+    flight_area: Any | None = None
 
     @property
     def located(self) -> Raster:
@@ -75,6 +87,8 @@ class Ground:
 
 def grid_over(faults: Faults, settings: Settings) -> Ground | None:
     """The grid of a search that is drawn; None where something is wrong with what is drawn."""
+    import shapely
+
     from sooner.io.vectors import cover
 
     area = settings.area
@@ -90,21 +104,44 @@ def grid_over(faults: Faults, settings: Settings) -> Ground | None:
         came, _, expected = str(error).partition("; ")
         faults.add("area.frame", came.removesuffix(" came") + " came", expected)
         return None
+    if area.flight_area is not None and sketch.flight_area is None:
+        return None
+    whole = around if sketch.flight_area is None else shapely.union_all([around, sketch.flight_area])
+    if sketch.flight_area is not None and sketch.flight_area.envelope.area > around.envelope.area:
+        key = "area.flight_area"
     try:
-        cell_m, told = _cell_m(area.cell_m, finest, around, crs)
-        frame = LocalFrame.around(around, cell_m, crs=crs)
-        polygon = frame.moved(around)
+        cell_m, told = _cell_m(area.cell_m, finest, whole, crs)
+        frame = LocalFrame.around(whole, cell_m, crs=crs)
+        polygon = _whole(frame.moved(around))
+        flight_area = None if sketch.flight_area is None else _whole(frame.moved(sketch.flight_area))
     except InvalidProblemError as error:
         came, _, expected = str(error).partition("; ")
         faults.add(key, came, expected or "expected an area that a map can show")
         return None
-    polygon = polygon if polygon.is_valid else polygon.buffer(0)
     inside = cover(polygon, frame.shape, cell_m)
-    _check_size(faults, settings, key, polygon, cell_m)
+    _check_size(faults, settings, polygon, cell_m)
     middle = f"{frame.shape[0]} x {frame.shape[1]} cells of {cell_m:g} m"
     where = "centred on the area" if crs is None else crs
     notes += (f"{middle} in a projection {where}: metres true to {max(frame.scale_error, 1e-6):.0e}{told}",)
-    return Ground(frame, sketch, polygon, inside, notes)
+    notes += _beyond(faults, polygon, flight_area)
+    return Ground(frame, sketch, polygon, inside, notes, flight_area)
+
+
+def _whole(geometry: Any) -> Any:
+    return geometry if geometry.is_valid else geometry.buffer(0)
+
+
+def _beyond(faults: Faults, polygon: Any, flight_area: Any | None) -> tuple[str, ...]:
+    """What of the search area no drone may fly over; a flight area that holds nothing of it is a fault."""
+    if flight_area is None:
+        return ()
+    beyond = 1.0 - float(polygon.intersection(flight_area).area) / float(polygon.area)
+    if beyond > 1.0 - 1e-9:
+        came = f"an area {float(polygon.distance(flight_area)):.0f} m from the search area came"
+        expected = "expected one that holds the search area too: drones are nowhere else"
+        faults.add("area.flight_area", came, expected)
+    told = f"{beyond:.1%} of the search area lies beyond the flight area, where no drone flies"
+    return (told,) if beyond > LEAST_TOLD else ()
 
 
 def _around(
@@ -142,7 +179,8 @@ def _around(
         return "area.last_known", shapely.Polygon(near.places(circle)[:, ::-1]), side, ()
     if box is not None:
         return ("area.evidence" if area.poc is None else "area.poc"), shapely.box(*box), side, ()
-    faults.add("area.polygon", "nothing came beside frame", "expected the search area, or poc in a GeoTIFF")
+    beside = "frame" if area.flight_area is None else "flight_area"
+    faults.add("area.polygon", f"nothing came beside {beside}", "expected the search area, or poc in a GeoTIFF")
     return "area.polygon", None, None, ()
 
 
@@ -162,29 +200,42 @@ def _cell_m(said: float | None, raster_m: float | None, around: Any, crs: str | 
     return float(next((each for each in ROUND_M if each >= usual), ceil(usual))), " (area.cell_m says otherwise)"
 
 
-def _check_size(faults: Faults, settings: Settings, key: str, polygon: Any, cell_m: float) -> None:
+def check_seen(faults: Faults, settings: Settings, polygon: Any, radius_m: float) -> None:
+    """An area that one look covers needs no plan."""
+    if polygon.area < np.pi * radius_m**2:
+        area = settings.area
+        keys = ("polygon", "segments", "last_known", "poc", "evidence")
+        key = next((each for each in keys if getattr(area, each) is not None), "polygon")
+        came = f"an area of {polygon.area:.0f} m2 came, and one look covers {np.pi * radius_m**2:.0f} m2"
+        faults.once(f"area.{key}", came, "expected a larger area: one look from its middle may see all of it")
+
+
+def _check_size(faults: Faults, settings: Settings, polygon: Any, cell_m: float) -> None:
     """An area that one look covers needs no plan; one smaller than a cell has none."""
-    radius = settings.sensor.radius_m
-    if radius is not None and polygon.area < np.pi * radius**2:
-        came = f"an area of {polygon.area:.0f} m2 came, and one look covers {np.pi * radius**2:.0f} m2"
-        faults.add(key, came, "expected a larger area: one look from its middle may see all of it")
+    radius, camera = settings.sensor.radius_m, settings.sensor.camera
+    if radius is None and camera is not None and camera.altitude_m is not None and camera.fov_deg is not None:
+        radius = camera.altitude_m * tan(radians(camera.fov_deg) / 2.0)
+    if radius is not None:
+        check_seen(faults, settings, polygon, radius)
     if polygon.area < cell_m**2:
         came = f"an area of {polygon.area:.3g} m2 came, and cells of {cell_m:g} m"
         faults.add("area.cell_m", came, "expected smaller cells")
 
 
-def real_area(faults: Faults, settings: Settings, frame: LocalFrame, sketch: Sketch, polygon: Any) -> RealArea:
+def real_area(faults: Faults, settings: Settings, ground: Ground) -> RealArea:
     """Zones, points and elevation on a grid."""
     import shapely
 
+    frame, sketch = ground.frame, ground.sketch
     zones = [frame.moved(zone) for zone in sketch.zones]
     zones += [frame.moved(each.geometry).buffer(each.radius_m, DISC_CORNERS) for each in sketch.circles]
-    whole = [zone if zone.is_valid else zone.buffer(0) for zone in zones]
-    no_fly = shapely.union_all(whole) if whole else shapely.MultiPolygon()
+    no_fly = shapely.union_all([_whole(zone) for zone in zones]) if zones else shapely.MultiPolygon()
     places = {name: frame.metres([[lat, lon]])[0] for name, (lon, lat) in sketch.points.items()}
     points = {name: (float(place[0]), float(place[1])) for name, place in places.items()}
-    elevation = _elevation(faults, settings.area.elevation, frame, polygon)
-    return RealArea(polygon, no_fly, points, elevation, frame.ground, frame.shape, sketch.twice)
+    known = ground.polygon if ground.flight_area is None else shapely.union_all([ground.polygon, ground.flight_area])
+    elevation = _elevation(faults, settings.area.elevation, frame, known)
+    here = frame.ground, frame.shape, sketch.twice
+    return RealArea(ground.polygon, no_fly, points, elevation, *here, ground.flight_area)
 
 
 def _elevation(faults: Faults, name: str | None, frame: LocalFrame, polygon: Any) -> Floats | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from sooner.errors import DataFormatError, InvalidProblemError, printable
 from sooner.missions.faults import Faults
-from sooner.missions.settings import Drawing, Drawings
+from sooner.missions.settings import Drawing, Drawings, Zones
 
 if TYPE_CHECKING:
     from sooner.io.vectors import Feature
@@ -68,7 +68,7 @@ class Drafts:
                 self.faults.add(key, f"{fault.file}{where}: {fault.came}", fault.expected)
             return None
 
-    def of(self, key: str, said: Drawings | None) -> list[Draft]:
+    def of(self, key: str, said: Drawings | Zones | None) -> list[Draft]:
         """The features that a key names."""
         return [draft for each in _each(said) for draft in self._of(key, each)]
 
@@ -116,9 +116,11 @@ def titles(features: Sequence[Feature]) -> str:
     return f"one of {told}{' ...' if len(names) > 10 else ''}" if names else "it left out: nothing there has a title"
 
 
-def _each(said: Drawings | None) -> list[Drawing]:
+def _each(said: Drawings | Zones | None) -> list[Drawing]:
+    """Those that name files."""
     found = said if isinstance(said, list) else [] if said is None else [said]
-    return [Drawing(file=each) if isinstance(each, str) else each for each in found]
+    named = [Drawing(file=each) if isinstance(each, str) else each for each in found]
+    return [each for each in named if isinstance(each, Drawing)]
 
 
 def _names(said: Drawings) -> str:

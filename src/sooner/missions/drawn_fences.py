@@ -33,10 +33,10 @@ def drawn_fences(mission: Mission, line: Floats, closed: bool) -> tuple[tuple[Fe
     """
     said, area = mission.settings.area, mission.area
     assert area is not None
-    bounded = any(each is not None for each in (said.polygon, said.segments, said.last_known))
+    bounded = any(each is not None for each in (said.polygon, said.flight_area, said.segments, said.last_known))
     flown = np.concatenate([line, line[:1]]) if closed else line
     zones = shapely.union_all([area.no_fly, *_squares(area, mission.obstacles)])
-    rings, notes = rings_around(area.polygon if bounded else None, zones, flown)
+    rings, notes = rings_around(area.border if bounded else None, zones, flown)
     places = area.frame.places
     told = tuple(
         Fence(tuple((float(lat), float(lon)) for lat, lon in places(ring)), inclusion) for ring, inclusion in rings

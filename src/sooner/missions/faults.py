@@ -106,7 +106,7 @@ def _schema_faults(
 
 
 _BRANCHES = {"str", "float", "list[int]", "Place", "constrained-list", "list[constrained-int]"}
-_BRANCHES |= {"Drawing", "Segments", "LandCover"}
+_BRANCHES |= {"Drawing", "NoFlyCircle", "Segments", "LandCover"}
 
 
 def _place(loc: tuple[int | str, ...]) -> tuple[int | str, ...]:

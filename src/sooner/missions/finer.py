@@ -89,6 +89,7 @@ def _finer_area(area: RealArea, parts: int) -> RealArea:
     return replace(
         area,
         polygon=moved(area.polygon),
+        flight_area=None if area.flight_area is None else moved(area.flight_area),
         no_fly=moved(area.no_fly),
         points=points,
         elevation=heights,

@@ -31,7 +31,7 @@ def layers_on_ground(faults: Faults, settings: Settings) -> dict[str, Any]:
     ground = grid_over(faults, settings)
     if ground is None:
         return {}
-    area = real_area(faults, settings, ground.frame, ground.sketch, ground.polygon)
+    area = real_area(faults, settings, ground)
     found = {
         "shape": ground.frame.shape,
         "cell_m": ground.frame.ground.cell_m,
@@ -81,7 +81,7 @@ def drawn_beside(
     side = frame.ground.cell_m
     box = shapely.box(-side / 2, -side / 2, (width - 0.5) * side, (height - 0.5) * side)
     ground = Ground(frame, Sketch.read(faults, area), box, np.ones(first.values.shape), ())
-    real = real_area(faults, settings, frame, ground.sketch, box)
+    real = real_area(faults, settings, ground)
     found: dict[str, Any] = {"area": real}
     if settings.sensor.land_cover is not None:
         found["glimpse"] = class_glimpse(faults, settings, ground)
@@ -196,10 +196,12 @@ def _of_rings(faults: Faults, settings: Settings, ground: Ground) -> tuple[Float
 
 
 def _theta(faults: Faults, name: str, ground: Ground) -> Floats | None:
+    """A raster of evidence; where drones may be beyond the search area, nobody is looked for there."""
     found = _mean(faults, "area.evidence", name, ground)
     if found is None:
         return None
-    return _within(faults, "area.evidence", name, np.where(np.isnan(found.values), 0.0, found.values), 0.0, 1.0)
+    theta = _within(faults, "area.evidence", name, np.where(np.isnan(found.values), 0.0, found.values), 0.0, 1.0)
+    return theta if theta is None or ground.flight_area is None else np.where(ground.inside > 0, theta, 0.0)
 
 
 # ---------------------------------------------------------------- what looks see, what stands there

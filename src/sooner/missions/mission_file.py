@@ -150,7 +150,7 @@ def read_mission(path: Path | str) -> Mission:
 
 def _check_required(faults: Faults, settings: Settings) -> None:
     area, budget = settings.area, settings.budget
-    priors = (area.poc, area.evidence, area.polygon, area.segments, area.last_known, area.frame)
+    priors = (area.poc, area.evidence, area.polygon, area.flight_area, area.segments, area.last_known, area.frame)
     if all(each is None for each in priors) and "area" not in faults.wrong and not faults.among("area."):
         expected = "expected a raster of weights (.csv, .npy or GeoTIFF), area.polygon, or area.evidence"
         faults.add("area.poc", "nothing came", expected)

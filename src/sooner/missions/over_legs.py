@@ -13,6 +13,7 @@ from sooner.errors import DataFormatError, InvalidProblemError
 from sooner.grid import Grid
 from sooner.grid.airspace import Airspace
 from sooner.io.georeference import Georeference
+from sooner.missions.area_layers import check_seen
 from sooner.missions.faults import Faults
 from sooner.missions.finer import finer, parts_for
 from sooner.missions.layers import Layers
@@ -185,11 +186,13 @@ class OverLegs:
             return layers
         sensor = self.settings.sensor
         reach, sure = self.radius_m, sensor.sweep_width_m is None
-        if reach is None and layers.sweep_width is not None:
-            widest = float(np.max(layers.sweep_width))
+        widest = 0.0 if layers.sweep_width is None else float(np.max(layers.sweep_width))
+        if reach is None and not sure:
             reach = widest * (CUBE_REACH if sensor.law == "inverse_cube" else 0.5)
         if not reach:
             return layers
+        if layers.area is not None:
+            check_seen(self.faults, self.settings, layers.area.polygon, reach if sure else widest / 2.0)
         parts = parts_for(reach, layers.cell_m, layers.shape[0] * layers.shape[1], sure)
         if parts > 1:
             self.notes += (

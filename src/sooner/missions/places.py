@@ -111,7 +111,7 @@ def _metres(said: Any, cell: Place, area: RealArea) -> tuple[float, float]:
 
 
 def _in_area(faults: Faults, key: str, told: str, place: tuple[float, float], area: RealArea) -> bool:
-    """Whether a place lies in the area and in no zone."""
+    """Whether a place lies where drones may be, and in no zone."""
     import shapely
 
     point = shapely.Point(place)
@@ -119,9 +119,10 @@ def _in_area(faults: Faults, key: str, told: str, place: tuple[float, float], ar
         expected = "expected a place that drones may fly over: move it, or cut the zone (area.no_fly, area.obstacles)"
         faults.add(key, f"{told} came, which lies in a no-fly zone", expected)
         return False
-    if (away := float(area.polygon.distance(point))) > 0:
-        expected = "expected a place in it: draw area.polygon so that it holds the way from there"
-        faults.add(key, f"{told} came, which lies {away:.0f} m out of the search area", expected)
+    if (away := float(area.border.distance(point))) > 0:
+        which = "search area" if area.flight_area is None else "flight area"
+        expected = "expected a place in it: draw area.flight_area around both it and the way from there"
+        faults.add(key, f"{told} came, which lies {away:.0f} m out of the {which}", expected)
         return False
     return True
 

@@ -28,6 +28,7 @@ class RealArea:
     ground : Georeference                   of the grid's cells
     shape : (int, int)                      of the grid
     twice : frozenset of str                titles of several points, which name none
+    flight_area : geometry or None          where drones may be; None where that is the search area
     """
 
     polygon: Any
@@ -37,6 +38,12 @@ class RealArea:
     ground: Georeference
     shape: tuple[int, int]
     twice: frozenset[str] = frozenset()
+    flight_area: Any | None = None
+
+    @property
+    def border(self) -> Any:
+        """Polygon or MultiPolygon: where drones may be, but for no-fly zones and margins."""
+        return self.polygon if self.flight_area is None else self.flight_area
 
     @property
     def frame(self) -> LocalFrame:
@@ -48,12 +55,12 @@ class RealArea:
 
         Parameters
         ----------
-        margin_m : float                    to keep from the polygon's border and from no-fly zones
+        margin_m : float                    to keep from `border` and from no-fly zones
         obstacles : (H, W) bool or None     cells that cannot be entered either
         """
         import shapely
 
-        free, zones = self.polygon, self.no_fly
+        free, zones = self.border, self.no_fly
         if margin_m > 0:
             free, zones = free.buffer(-margin_m), zones.buffer(margin_m)
         free = free.difference(zones)

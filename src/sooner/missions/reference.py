@@ -16,6 +16,7 @@ from sooner.missions.settings import (
     Hearing,
     LandCover,
     LastKnown,
+    NoFlyCircle,
     Place,
     Searching,
     Segments,
@@ -52,7 +53,8 @@ An area that is drawn, at a command post:
 ```toml
 [area]
 polygon = "search.geojson"    # or .gpkg, .kml, .kmz, .gpx; CalTopo exports as they are
-no_fly = ["village.kml", { file = "masts.gpx", radius_m = 80 }]
+flight_area = "flight.geojson"  # left out: the search area; with the car park that drones launch from, say
+no_fly = ["village.kml", { file = "masts.gpx", radius_m = 80 }, { lat = 46.12, lon = 11.25, radius_m = 150 }]
 margin_m = 15
 points = "launch.gpx"         # whose titles start and end may name
 elevation = "terrain.tif"     # rasters in any projection
@@ -152,6 +154,7 @@ likewise `y_m`. (A `start = [row, col]` of the mission file counts rows from the
 _TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[area]", Area),
     ("Drawn in a file", Drawing),
+    ("A circle of no_fly", NoFlyCircle),
     ("[area.segments]", Segments),
     ("[area.last_known]", LastKnown),
     ("[area.land_cover]", LandCover),
@@ -168,7 +171,7 @@ _TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[separation]", SeparationSettings),
 )
 
-_NAMED = (CameraSettings, Window, Drawing, Segments, LastKnown, LandCover)
+_NAMED = (CameraSettings, Window, Drawing, NoFlyCircle, Segments, LastKnown, LandCover)
 _WORDS = {list: "[row, col]", dict: "table", Place: "{lat, lon}"} | dict.fromkeys(_NAMED, "table")
 
 
@@ -205,11 +208,12 @@ def reference_page() -> str:
         "## Georeference\n\nA GeoTIFF in a projection in metres or feet, with square cells, north up, is the grid "
         "itself: its cell size goes before `cell_m`, which must agree where both are given, and the mission's other "
         "rasters must lie on the same cells. Any other GeoTIFF, in degrees say, and every one where `polygon`, "
-        "`segments`, `last_known` or `frame` is given, is brought to a grid of metres over the area: `poc` by the "
-        "ground that cells have in common, so that no probability is lost; difficulty, glimpse and evidence by their "
-        "mean over a cell; classes at its centre; elevation between centres; an obstacle on any part of a cell shuts "
-        "it. The notes of a plan say how true the metres are. Over cells and regions drones enter cells that lie "
-        'wholly in the area, off `no_fly` and their margins. "No data" counts as 0 in `poc` and `evidence` and as '
+        "`flight_area`, `segments`, `last_known` or `frame` is given, is brought to a grid of metres over the area: "
+        "`poc` by the ground that cells have in common, so that no probability is lost; difficulty, glimpse and "
+        "evidence by their mean over a cell; classes at its centre; elevation between centres; an obstacle on any part "
+        "of a cell shuts it. The notes of a plan say how true the metres are. Over cells and regions drones enter "
+        "cells that lie wholly in `flight_area`, else the area, off `no_fly` and their margins. "
+        '"No data" counts as 0 in `poc` and `evidence` and as '
         "free ground in `obstacles`. Files that aircraft fly (`sooner export`, `sooner plan --format`) need the "
         "georeference of `poc` or `evidence`."
     )

@@ -22,6 +22,7 @@ __all__ = [
     "Hearing",
     "LandCover",
     "LastKnown",
+    "NoFlyCircle",
     "Place",
     "Searching",
     "Segments",
@@ -86,7 +87,16 @@ class Drawing(_Table):
     )
 
 
+class NoFlyCircle(_Table):
+    """`{ lat, lon, radius_m }`: a circle that nothing flies over, wherever `no_fly` may name a file."""
+
+    lat: float | None = Field(default=None, ge=-89.9, le=89.9, description="degrees north; required")
+    lon: float | None = Field(default=None, ge=-180, le=180, description="degrees east; required")
+    radius_m: Metres | None = Field(default=None, description="required")
+
+
 Drawings = str | Drawing | list[str | Drawing]
+Zones = str | Drawing | NoFlyCircle | list[str | Drawing | NoFlyCircle]
 
 
 class Segments(_Table):
@@ -158,11 +168,18 @@ class Area(_Table):
         description="vector file of the search area, or several, or a table as below; holes are kept. Without `poc`, "
         "`segments` and `last_known` the person is anywhere in it alike; what `poc` has beyond it counts as `outside`",
     )
-    no_fly: Drawings | None = Field(
-        default=None, description="likewise, of ground that nothing flies over; points and lines with a radius too"
+    flight_area: Drawings | None = Field(
+        default=None,
+        description="likewise, of where drones may be, where that is more than the search area: with the car park that "
+        "they launch from, say. Left out: the search area. Looks count within the search area alone",
+    )
+    no_fly: Zones | None = Field(
+        default=None,
+        description="likewise, of ground that nothing flies over; points and lines with a radius too, and circles as "
+        "below",
     )
     margin_m: Annotated[float, Field(ge=0, le=10_000, allow_inf_nan=False)] = Field(
-        default=0.0, description="to keep from the border of `polygon` and from `no_fly`"
+        default=0.0, description="to keep from the border of `flight_area`, else of `polygon`, and from `no_fly`"
     )
     points: Drawings | None = Field(
         default=None, description="likewise, of points whose titles `start`, `end` and `place` may name; all others too"
@@ -176,7 +193,7 @@ class Area(_Table):
     frame: str | None = Field(
         default=None,
         description="projection in metres of the grid, `EPSG:32632` say; left out: one centred on `polygon`. Rasters "
-        "may be of any projection where it, `polygon`, `segments` or `last_known` is given",
+        "may be of any projection where it, `polygon`, `flight_area`, `segments` or `last_known` is given",
     )
     obstacles: Drawings | None = Field(
         default=None,
@@ -556,7 +573,8 @@ def not_yet(settings: Settings, file: str) -> list[Fault]:
         for key in ("radius_m", "camera", "range_m"):
             if getattr(settings.sensor, key) is not None:
                 what = "how far the sensor reaches, over cells,"
-                refuse(f"sensor.{key}", what, 'give moves = "legs" or "regions", or leave it out: a look covers the cell below')
+                instead = 'give moves = "regions" or "legs", or leave it out: a look covers the cell below'
+                refuse(f"sensor.{key}", what, instead)
     over_cells = not settings.over_regions and not settings.over_legs
     if settings.objective.detection_target is not None and len(settings.searcher) > 1 and over_cells:
         instead = 'leave it out: the most by the end, or give moves = "regions"'

@@ -9,7 +9,7 @@ from typing import Any
 from sooner.errors import InvalidProblemError, printable
 from sooner.missions.drawings import Draft, Drafts, is_drawn, titles
 from sooner.missions.faults import Faults
-from sooner.missions.settings import Area, LastKnown, Place, Segments
+from sooner.missions.settings import Area, LastKnown, NoFlyCircle, Place, Segments, Zones
 
 __all__ = ["Circle", "Sketch", "named_place"]
 
@@ -31,6 +31,7 @@ class Sketch:
     Parameters
     ----------
     polygon : geometry or None          `area.polygon`
+    flight_area : geometry or None      `area.flight_area`
     zones : tuple of geometry           polygons of `area.no_fly` and of drawn `area.obstacles`
     circles : tuple of Circle           their points and lines
     segments : tuple                    (title, polygon, POC) of each search segment
@@ -40,6 +41,7 @@ class Sketch:
     """
 
     polygon: Any | None
+    flight_area: Any | None
     zones: tuple[Any, ...]
     circles: tuple[Circle, ...]
     segments: tuple[tuple[str, Any, float], ...]
@@ -52,7 +54,9 @@ class Sketch:
         """Everything that the files hold; what is wrong is added to the faults."""
         drafts = Drafts(faults)
         polygon = drafts.polygons("area.polygon", area.polygon)
+        flight_area = drafts.polygons("area.flight_area", area.flight_area)
         zones, circles = _zones(faults, "area.no_fly", drafts.of("area.no_fly", area.no_fly))
+        circles += _told_circles(faults, area.no_fly)
         if is_drawn(area.obstacles) and area.obstacles is not None:
             more, around = _zones(faults, "area.obstacles", drafts.of("area.obstacles", area.obstacles))
             zones, circles = zones + more, circles + around
@@ -62,7 +66,7 @@ class Sketch:
         points = {name: places[0] for name, places in known.items() if len(set(places)) == 1}
         twice = frozenset(set(known) - set(points))
         last = None if area.last_known is None else _last_known(faults, area.last_known, points, twice)
-        return cls(polygon, tuple(zones), tuple(circles), segments, last, points, twice)
+        return cls(polygon, flight_area, tuple(zones), tuple(circles), segments, last, points, twice)
 
 
 def named_place(faults: Faults, key: str, title: str, points: Mapping[str, Any], twice: frozenset[str]) -> Any | None:
@@ -101,6 +105,22 @@ def _zones(faults: Faults, key: str, drafts: list[Draft]) -> tuple[list[Any], li
         came = f"{drafts[0].said.file} has no polygon, and no point or line with a radius"
         faults.once(key, came, "expected some, or radius_m")
     return zones, circles
+
+
+def _told_circles(faults: Faults, said: Zones | None) -> list[Circle]:
+    """Circles that the mission file itself tells."""
+    import shapely
+
+    found = []
+    for each in said if isinstance(said, list) else [said]:
+        if not isinstance(each, NoFlyCircle):
+            continue
+        if each.lat is None or each.lon is None or each.radius_m is None:
+            came = ", ".join(sorted(each.model_fields_set)) or "nothing"
+            faults.once("area.no_fly", f"a circle of {came} came", "expected { lat, lon, radius_m } together")
+        else:
+            found.append(Circle(shapely.Point(each.lon, each.lat), each.radius_m))
+    return found
 
 
 def _radius_m(draft: Draft) -> float | None:
