@@ -14,13 +14,13 @@ from sooner.decomposition.patterns.legs import (
     checked_ground,
     checked_number,
     checked_place,
-    clipped,
     joined,
 )
 from sooner.errors import InvalidProblemError
 
 __all__ = ["contour_search"]
 
+_SHORT = 0.5  # track spacings: lines that are shorter are left out, as those round every stone
 _MAX_HEIGHTS = 1000  # each of them walks over the whole raster
 
 
@@ -35,8 +35,8 @@ def contour_search(
 ) -> Tracks:
     """Along contour lines from the highest to the lowest, circuit after circuit.
 
-    The first line lies half an interval below the highest free ground. Of the lines of one height, the nearest comes
-    first, and a circuit begins where it is nearest.
+    The first line lies half an interval below the highest free ground; what is shorter than half a track spacing is
+    left out. Of the lines of one height, the nearest comes first, and a circuit begins where it is nearest.
 
     Parameters
     ----------
@@ -69,17 +69,29 @@ def contour_search(
     free, cell_m = checked_ground(free), checked_number("cell", cell_m)
     heights, place = _checked_heights(elevation), checked_place("origin", origin)
     known = _free_heights(free, heights, cell_m, place)
-    rise = _interval(heights, known, cell_m, rise, spacing)
+    rise, spacing = _interval(heights, known, cell_m, rise, spacing)
     low, high = float(heights[known].min()), float(heights[known].max())
     count = int(np.ceil((high - low) / rise - 1e-9))
     if count > _MAX_HEIGHTS:
         raise InvalidProblemError(f"{count} heights would come of an interval of {rise} m; expected fewer")
     flown: list[NDArray[np.float64]] = []
     for level in high - rise * (np.arange(max(count, 1)) + 0.5):
-        lines = contour_lines(heights, cell_m, float(level), place)
-        parts = [part for line in lines for part in clipped(line, free)]
+        parts = _inside(contour_lines(heights, cell_m, float(level), place), free, _SHORT * spacing)
         flown += _nearest_first(parts, flown[-1][-1] if flown else None)
     return joined(flown, free)
+
+
+def _inside(lines: list[NDArray[np.float64]], free: Any, shortest: float) -> list[NDArray[np.float64]]:
+    """What of the lines is free, without short parts; none of them crosses itself, so that they are cut whole."""
+    if not lines:
+        return []
+    shapely.prepare(free)
+    whole = np.array([shapely.linestrings(line) for line in lines])
+    whole = whole[shapely.length(whole) > shortest]
+    inside = shapely.covers(free, whole)
+    cut = shapely.get_parts(shapely.line_merge(shapely.intersection(whole[~inside], free)))
+    parts = np.concatenate([whole[inside], cut])
+    return [shapely.get_coordinates(part) for part in parts[shapely.length(parts) > shortest]]
 
 
 def _nearest_first(parts: list[NDArray[np.float64]], here: NDArray[np.float64] | None) -> list[NDArray[np.float64]]:
@@ -108,18 +120,22 @@ def _from_nearest(part: NDArray[np.float64], here: NDArray[np.float64]) -> NDArr
 
 def _interval(
     heights: NDArray[np.float64], known: NDArray[np.bool_], cell_m: float, rise: float | None, spacing: float | None
-) -> float:
-    """Metres of height between lines."""
+) -> tuple[float, float]:
+    """Metres of height between lines, and in the mean over the ground."""
     if (rise is None) == (spacing is None):
         raise InvalidProblemError(f"rise {rise} and spacing {spacing} came; expected one of them")
     if np.ptp(heights[known]) <= 0:
         raise InvalidProblemError("level ground came, which has no contour lines; expected slopes")
-    if spacing is None:
-        return checked_number("rise", float(rise or 0.0))
     north, east = np.gradient(heights, cell_m)
     slopes = np.hypot(north, east)[known]
-    slope = float(np.mean(slopes[np.isfinite(slopes)]))
-    return checked_number("track spacing", spacing) * slope
+    slopes = slopes[np.isfinite(slopes)]
+    slope = float(slopes.mean()) if len(slopes) else 0.0
+    if not slope > 0:
+        raise InvalidProblemError("elevation of single cells came; expected slopes between neighbours")
+    if spacing is None:
+        rise = checked_number("rise", float(rise or 0.0))
+        return rise, rise / slope
+    return checked_number("track spacing", spacing) * slope, float(spacing)
 
 
 def _free_heights(

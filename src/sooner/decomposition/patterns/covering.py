@@ -19,7 +19,9 @@ __all__ = ["Covering", "covering"]
 
 _SURE = 1e-3  # of the radius, that is kept in hand so that rounding leaves no gap
 _CLOSER = (1.0, 0.95, 0.9)  # strips that are narrower than they must be let their lanes end earlier
+_MANY_CORNERS = 1000
 _MANY_LANES = 80  # across the ground, beyond which less is tried, as it takes longer and matters less
+_SIMPLER = (0.01, 0.03, 0.1)  # radii by which borders are drawn simpler, one after the other
 _MENDED = 8  # of the tries, the best, whose gaps are closed before the best is chosen
 _SEEN = 5e-3  # of the radius: what can only be seen from less near than that counts as out of sight
 
@@ -68,7 +70,8 @@ def covering(polygon: Any, radius: float, overlap: float = 0.0, free: Any = None
 
     Notes
     -----
-    What could be seen only from further than 0.995 R counts as out of sight.
+    What could be seen only from further than 0.995 R counts as out of sight. Borders of very many corners are drawn
+    simpler, by a quarter of the radius at most: more than the polygon is seen, from less than the free ground.
 
     Examples
     --------
@@ -83,11 +86,13 @@ def covering(polygon: Any, radius: float, overlap: float = 0.0, free: Any = None
         raise InvalidProblemError(f"an overlap of {overlap} came; expected 0 to 0.9")
     if not (np.isfinite(turn_m) and turn_m >= 0):
         raise InvalidProblemError(f"{turn_m} m for a turn came; expected a number of at least 0")
-    ground = polygon.intersection(free.buffer(radius * (1 - _SEEN)))
+    free = _inner(free, radius)
+    in_sight = free.buffer(radius * (1 - _SEEN))
+    ground = _outer(polygon, radius).intersection(in_sight)
     ground = shapely.multipolygons([part for part in shapely.get_parts(ground) if part.geom_type == "Polygon"])
     if ground.area <= 0:
         raise InvalidProblemError(f"nothing of the polygon lies within {radius} m of free ground; expected some")
-    unseen = polygon.difference(free.buffer(radius * (1 - _SEEN)))
+    unseen = polygon.difference(in_sight)
     border = _border(ground, free, radius)
     spacing = 2 * radius * (1 - 2.5 * _SURE) * (1 - overlap)
     many = float(np.hypot(*np.diff(np.reshape(ground.bounds, (2, 2)), axis=0)[0])) > _MANY_LANES * spacing
@@ -105,6 +110,29 @@ def _cost(tracks: Tracks, turn_m: float) -> float:
     """Metres along tracks and straight between them, and so many for each turn."""
     points = np.concatenate([*tracks, np.zeros((0, 2))])
     return float(np.hypot(*np.diff(points, axis=0).T).sum()) + turn_m * len(points)
+
+
+def _outer(polygon: Any, radius: float) -> Any:
+    """Ground that holds the polygon, of fewer corners."""
+    for tolerance in _SIMPLER:
+        if shapely.get_num_coordinates(polygon) <= _MANY_CORNERS:
+            break
+        away = tolerance * radius
+        polygon = polygon.buffer(2 * away, join_style="mitre").simplify(away)
+    return polygon
+
+
+def _inner(free: Any, radius: float) -> Any:
+    """Ground that the free ground holds, of fewer corners; as it is where nothing would be left of it."""
+    for tolerance in _SIMPLER:
+        if shapely.get_num_coordinates(free) <= _MANY_CORNERS:
+            break
+        away = tolerance * radius
+        simpler = free.buffer(-2 * away, join_style="mitre").simplify(away)
+        if simpler.is_empty:
+            break
+        free = simpler
+    return free
 
 
 def _angles(ground: Any, tried: int) -> list[float]:

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from sooner.decomposition.patterns.lanes import narrowest, turned, turned_points
-from sooner.decomposition.patterns.legs import Tracks
+from sooner.decomposition.patterns.legs import Tracks, roomy
 from sooner.decomposition.patterns.strips import strip_legs
 from sooner.errors import InvalidProblemError
 
@@ -121,7 +121,7 @@ def _with_detour(tracks: list[NDArray[np.float64]], detour: NDArray[np.float64],
         return
     passed, _ = shapely.get_coordinates(shapely.shortest_line(lines[nearest], shapely.points(detour[0])))
     loop = np.concatenate([passed[None], detour, passed[None]])
-    if not free.buffer(1e-6).covers(shapely.linestrings(loop)):
+    if not shapely.covers(roomy(free), shapely.linestrings(loop)):
         tracks.insert(nearest + 1, alone)
         return
     track = tracks[nearest]

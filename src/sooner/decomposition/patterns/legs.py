@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -25,7 +26,7 @@ __all__ = [
 
 MAX_LEGS = 100_000
 _MAX_VERTICES = 100_000
-_SLACK_M = 1e-6  # ends of clipped legs lie on the border but for rounding
+_SLACK_M = 1e-6
 
 Tracks = tuple[NDArray[np.float64], ...]
 """(n, 2) metres each: stretches to be flown in this order, one by one, each of them inside the free ground. Where
@@ -56,10 +57,11 @@ def clipped(track: ArrayLike, free: Any) -> Tracks:
     points = np.asarray(track, float)
     legs = shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1))
     shapely.prepare(free)
-    inside = shapely.covers(free, legs)
+    inside, crossing = shapely.covers(free, legs), shapely.intersects(free, legs)
     out: list[list[NDArray[np.float64]]] = []
-    for a, b, leg, whole in zip(points[:-1], points[1:], legs, inside, strict=True):
-        for piece in [np.stack([a, b])] if whole else _pieces(leg, free, a):
+    for k in np.flatnonzero(crossing):
+        a, b = points[k : k + 2]
+        for piece in [np.stack([a, b])] if inside[k] else _pieces(legs[k], free, a):
             if out and np.array_equal(out[-1][-1], piece[0]):
                 out[-1].append(piece[1])
             else:
@@ -79,10 +81,8 @@ def joined(tracks: Iterable[NDArray[np.float64]], free: Any) -> Tracks:
     tracks = list(tracks)
     if not tracks:
         return ()
-    roomy = free.buffer(_SLACK_M)
-    shapely.prepare(roomy)
     between = np.array([(a[-1], b[0]) for a, b in pairwise(tracks)]).reshape(-1, 2, 2)
-    clear = shapely.covers(roomy, shapely.linestrings(between))
+    clear = shapely.covers(roomy(free), shapely.linestrings(between))
     out = [[tracks[0]]]
     for track, goes_on in zip(tracks[1:], clear, strict=True):
         if goes_on:
@@ -90,6 +90,14 @@ def joined(tracks: Iterable[NDArray[np.float64]], free: Any) -> Tracks:
         else:
             out.append([track])
     return tuple(_without_repeats(np.concatenate(parts)) for parts in out)
+
+
+@lru_cache(maxsize=8)
+def roomy(free: Any) -> Any:
+    """The ground and a hair more, prepared: ends of clipped legs lie on the border but for rounding."""
+    out = free.buffer(_SLACK_M, join_style="mitre")
+    shapely.prepare(out)
+    return out
 
 
 def checked_ground(free: Any, name: str = "free") -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from sooner.decomposition.patterns.legs import Tracks
+from sooner.decomposition.patterns.legs import Tracks, roomy
 
 __all__ = ["toured"]
 
@@ -61,9 +61,7 @@ def _apart(ends: NDArray[np.float64], free: Any, near: float) -> NDArray[np.floa
     if free.convex_hull.area <= free.area * (1 + 1e-9):
         return apart
     a, b = np.nonzero(np.triu(apart <= near, 1))
-    roomy = free.buffer(1e-6)
-    shapely.prepare(roomy)
-    clear = shapely.covers(roomy, shapely.linestrings(np.stack([places[a], places[b]], axis=1)))
+    clear = shapely.covers(roomy(free), shapely.linestrings(np.stack([places[a], places[b]], axis=1)))
     straight = np.zeros(apart.shape, bool)
     straight[a[clear], b[clear]] = straight[b[clear], a[clear]] = True
     return np.asarray(np.where(straight, apart, _AROUND * apart + (apart <= near) * near))
