@@ -202,6 +202,15 @@ def test_level_terrain_costs_nothing_and_no_terrain_saves_time(pace, start, end)
     assert pace.leg_seconds([start], [end])[0] >= free * (1 - 1e-9)
 
 
+@given(terrain=terrains(), accel=accelerations)
+def test_over_terrain_no_flight_takes_longer_than_one_that_stops_at_every_waypoint(terrain, accel):
+    pace = Pace(10.0, accel, climb_mps=1.0, descent_mps=1.0, terrain=terrain)
+    way = np.array([[0.0, 0.0], [13.0, 26.0], [13.0, 26.0], [20.0, 40.0], [31.0, 62.0], [80.0, 62.0], [95.0, 62.0]])
+    taken = way_s(way, *pace.arrays())
+    assert taken <= pace.leg_seconds(way[:-1], way[1:]).sum() + 1e-9
+    assert pace.flight(way).duration == pytest.approx(taken, rel=1e-9)
+
+
 @given(terrain=terrains(), radius=st.floats(0, 90), seed=st.integers(0, 1000))
 def test_the_smoothed_surface_is_nowhere_beneath_the_ground(terrain, radius, seed):
     smooth = terrain.smoothed(radius)

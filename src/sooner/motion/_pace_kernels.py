@@ -129,25 +129,61 @@ def legs_s(starts, ends, speed, accel, airspeed, east, north, climb, descent, he
 
 @njit(cache=True, nogil=True)
 def way_s(points, speed, accel, airspeed, east, north, climb, descent, heights, cell_m):
-    """Seconds along a polyline (n, 2) from rest to rest, that stops where it turns and flies on through the rest."""
-    seconds, first, last = 0.0, 0, 0
+    """Seconds along a polyline (n, 2) from rest to rest, that stops where it turns and flies on through the rest.
+
+    Over terrain it stops at those as well where that is quicker by a hair, as slopes are those of other pieces then.
+    """
+    seconds, first, last, parts = 0.0, 0, 0, 0.0
     dx, dy = 0.0, 0.0
-    for k in range(1, len(points)):
-        ex, ey = points[k, 0] - points[last, 0], points[k, 1] - points[last, 1]
-        if ex == 0.0 and ey == 0.0:
-            continue
-        if last > first and math.atan2(abs(dx * ey - dy * ex), dx * ex + dy * ey) > STRAIGHT_RAD:
-            seconds += leg_s(
+    for k in range(1, len(points) + 1):
+        if k < len(points):
+            ex, ey = points[k, 0] - points[last, 0], points[k, 1] - points[last, 1]
+            if ex == 0.0 and ey == 0.0:
+                continue
+            turns = last > first and math.atan2(abs(dx * ey - dy * ex), dx * ex + dy * ey) > STRAIGHT_RAD
+        if k == len(points) or turns:
+            whole = leg_s(
                 points[first, 0], points[first, 1], points[last, 0], points[last, 1],
                 speed, accel, airspeed, east, north, climb, descent, heights, cell_m,
             )  # fmt: skip
-            first = last
-        last = k
-        dx, dy = ex, ey
-    return seconds + leg_s(
-        points[first, 0], points[first, 1], points[last, 0], points[last, 1],
-        speed, accel, airspeed, east, north, climb, descent, heights, cell_m,
-    )  # fmt: skip
+            seconds += min(whole, parts) if heights.size else whole
+            first, parts = last, 0.0
+        if k < len(points):
+            if heights.size:
+                parts += leg_s(
+                    points[last, 0], points[last, 1], points[k, 0], points[k, 1],
+                    speed, accel, airspeed, east, north, climb, descent, heights, cell_m,
+                )  # fmt: skip
+            last = k
+            dx, dy = ex, ey
+    return seconds
+
+
+@njit(cache=True, nogil=True)
+def halts(points, corners, speed, accel, airspeed, east, north, climb, descent, heights, cell_m):
+    """Where a flight stops, as `way_s`: indices of `corners`, and of waypoints between two where it is quicker so."""
+    found, count = np.empty(len(points), np.int64), 0
+    for c in range(len(corners)):
+        if c > 0 and heights.size:
+            a, b, parts, last = corners[c - 1], corners[c], 0.0, corners[c - 1]
+            for k in range(a + 1, b + 1):
+                parts += leg_s(
+                    points[last, 0], points[last, 1], points[k, 0], points[k, 1],
+                    speed, accel, airspeed, east, north, climb, descent, heights, cell_m,
+                )  # fmt: skip
+                last = k
+            whole = leg_s(
+                points[a, 0], points[a, 1], points[b, 0], points[b, 1],
+                speed, accel, airspeed, east, north, climb, descent, heights, cell_m,
+            )  # fmt: skip
+            for k in range(a + 1, b):
+                apart = points[k, 0] != points[k - 1, 0] or points[k, 1] != points[k - 1, 1]
+                if parts < whole and apart and (points[k, 0] != points[b, 0] or points[k, 1] != points[b, 1]):
+                    found[count] = k
+                    count += 1
+        found[count] = corners[c]
+        count += 1
+    return found[:count]
 
 
 @njit(cache=True, nogil=True)

@@ -178,6 +178,9 @@ class Pace:
     def flight(self, points: ArrayLike) -> Trajectory:
         """The flight along a polyline that stops where it turns and flies on through points that lie straight ahead.
 
+        Over terrain it stops at those as well where that is quicker: slopes are those between points half a cell apart,
+        counted from where a leg begins.
+
         Parameters
         ----------
         points : (n, 2) float      metres east and north, n >= 1
@@ -196,13 +199,14 @@ class Pace:
         >>> flight.duration, flight.times
         (30.0, array([ 0. ,  7.5, 15. , 30. ]))
         """
-        from sooner.motion._pace_kernels import leg_knots
+        from sooner.motion import _pace_kernels as kernels
 
         points = np.ascontiguousarray(checked_waypoints(points))
         check_wind(self.airspeed_mps, self.wind)
-        pace, halts = self.arrays(), corners(points)
+        pace = self.arrays()
+        halts = kernels.halts(points, corners(points), *pace)
         course = Course.straight(points[halts])
-        legs = [leg_knots(*(*points[a], *points[b], *pace)) for a, b in pairwise(halts)]
+        legs = [kernels.leg_knots(*(*points[a], *points[b], *pace)) for a, b in pairwise(halts)]
         knot_s, knot_m, knot_mps = _knots(legs, course.bounds_m)
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
         flown = np.interp(along, along[halts], course.bounds_m[: len(halts)])
