@@ -6,18 +6,20 @@ from collections.abc import Mapping
 from math import nan
 from pathlib import Path
 
+from sooner.io.markup import read_markup
+from sooner.io.reading import bytes_of
 from sooner.io.tracks.fixes import Fixes, Recorded, moment, number, place, refusal
-from sooner.io.tracks.markup import read_markup
 
 __all__ = ["read_gpx"]
 
+MOST_BYTES = 200_000_000
 _EXPECTED = "expected GPX with a track (trk)"
 
 
 def read_gpx(path: Path) -> list[Recorded]:
     """The tracks of a GPX file; between segments of a track nothing is known."""
     reader = _Tracks(path)
-    read_markup(path, reader, _EXPECTED)
+    read_markup(path, bytes_of(path, MOST_BYTES, "200 MB", _EXPECTED), reader, _EXPECTED)
     if not reader.found and reader.routes:
         raise refusal(
             path, "", f"{reader.routes} routes and no track came", f"{_EXPECTED}: a route is planned, a track was flown"

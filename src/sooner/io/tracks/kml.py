@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from math import nan
 from pathlib import Path
 
+from sooner.io.markup import read_markup
+from sooner.io.reading import bytes_of
 from sooner.io.tracks.fixes import Fixes, Recorded, moment, number, place, refusal
-from sooner.io.tracks.markup import read_markup
 
 __all__ = ["read_kml"]
 
+MOST_BYTES = 200_000_000
 _EXPECTED = "expected KML with a track (gx:Track) or a line (LineString)"
 _ABOVE = {"absolute": "sea", "relativeToGround": ""}
 
@@ -18,7 +20,7 @@ _ABOVE = {"absolute": "sea", "relativeToGround": ""}
 def read_kml(path: Path) -> list[Recorded]:
     """The tracks of a KML file; its lines where it has none."""
     reader = _Lines(path)
-    read_markup(path, reader, _EXPECTED)
+    read_markup(path, bytes_of(path, MOST_BYTES, "200 MB", _EXPECTED), reader, _EXPECTED)
     return reader.tracks or reader.lines
 
 

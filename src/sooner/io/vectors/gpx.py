@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from sooner.io.markup import Element, tree
 from sooner.io.vectors import build
 from sooner.io.vectors.feature import Drawn, refusal
-from sooner.io.vectors.markup import Element, parsed
 
 __all__ = ["gpx"]
 
@@ -18,7 +18,7 @@ KINDS = {"wpt": "waypoint", "rte": "route", "trk": "track"}
 
 def gpx(path: Path, data: bytes) -> list[Drawn]:
     """Every waypoint, route and track; routes and tracks of less than two places are passed over."""
-    root = parsed(path, data, EXPECTED)
+    root = tree(path, data, EXPECTED)
     if root.tag != "gpx":
         raise refusal(path, "", f"a root <{root.tag[:40]}> came", EXPECTED)
     drawn = []

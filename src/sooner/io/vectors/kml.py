@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from sooner.io.markup import Element, tree
 from sooner.io.vectors import build
 from sooner.io.vectors.feature import Drawn, refusal
-from sooner.io.vectors.markup import Element, parsed
 
 __all__ = ["kml", "kmz"]
 
@@ -24,7 +24,7 @@ _GEOMETRIES = ("Point", "LineString", "LinearRing", "Polygon", "MultiGeometry", 
 
 def kml(path: Path, data: bytes) -> list[Drawn]:
     """Every placemark with a geometry, in the file's order."""
-    root = parsed(path, data, EXPECTED)
+    root = tree(path, data, EXPECTED)
     if root.tag != "kml":
         raise refusal(path, "", f"a root <{root.tag[:40]}> came", EXPECTED)
     drawn = []
