@@ -61,7 +61,8 @@ SLACK = 1.0 + 1e-6  # for turns so slight that drones do not stop at them, and f
 CUT = np.linspace(0.0, 0.25, 26)  # of a cell's corners, as shares of its side
 PARTS = 24  # of half a cell's side, in which places are taken together
 CLOSEST = (0.0, 0.35, 0.6, 0.85)  # sides of a cell that are tried
-TRIES = 240  # of prices
+TRIES = 240  # of prices, at most
+TRIED_CELLS = 5e6  # cells whose profit is worked out for them
 
 Floats = NDArray[np.float64]
 ASSUMES = "cells count by their centres; any ways through the airspace, no faster than pace and wind allow"
@@ -282,7 +283,7 @@ class _Law:
     def all(cls, ground: _Ground) -> Iterator[_Law]:
         """Every way to weigh and count that may prove something."""
         even = ground.swath.law == "even"
-        for weighed in (False, True) if np.ptp(ground.strength) > 0 else (False,):
+        for weighed in (True, False) if np.ptp(ground.strength) > 0 else (False,):
             if even:
                 yield from (cls.of(ground, weighed, plain) for plain in (True, False))
             else:
@@ -334,7 +335,7 @@ def _sums(law: _Law, cell_m: float) -> tuple[float, float]:
     The place lies in one of many small squares; of each centre the distances from there bound the summand.
     """
     reach = int(law.radius / cell_m) + 2
-    parts = PARTS if reach <= 12 else PARTS // 3
+    parts = PARTS if reach <= 12 else PARTS // 3 if reach <= 60 else 2
     side = 0.5 / parts  # places in a quarter of a cell stand for all
     steps = np.abs(np.arange(-reach, reach + 1)[:, None] - (np.arange(parts) + 0.5) * side)
     nearest, farthest = np.maximum(steps - side / 2, 0.0) * cell_m, (steps + side / 2) * cell_m  # (n, parts)
@@ -358,7 +359,7 @@ def _least(ground: _Ground, law: _Law) -> float:
     whole = np.minimum(law.strength * float(law.q(np.zeros(1))[0]), 600.0)
 
     def bound(prices: Floats) -> float:
-        x, y, *z = np.exp(prices)
+        x, y, *z = np.exp(np.clip(prices, -60.0, 20.0))
         pays = _profit(poc, whole, x * weight)
         for each in z:
             pays = np.maximum(pays, poc - each)
@@ -367,8 +368,8 @@ def _least(ground: _Ground, law: _Law) -> float:
     typical = float(np.median(poc / weight))
     z = [float(np.median(poc))] if law.closest else []
     tried = [np.log([typical * share, float(np.median(poc)) * 1e-3, *z]) for share in (1e-3, 0.01, 0.1, 0.3, 1.0, 3.0)]
-    start = min(tried, key=bound)
-    found = minimize(bound, start, method="Nelder-Mead", options={"maxfev": TRIES, "xatol": 1e-3, "fatol": 1e-7})
+    start, tries = min(tried, key=bound), int(np.clip(TRIED_CELLS / len(poc), 24, TRIES))
+    found = minimize(bound, start, method="Nelder-Mead", options={"maxfev": tries, "xatol": 1e-3, "fatol": 1e-7})
     return min(float(found.fun), bound(start), float(poc.sum()))
 
 
