@@ -2,15 +2,15 @@ import pytest
 
 from sooner.missions import read_mission
 from sooner.missions.over_waypoints import read_street_mission
-from sooner.scenarios import SCENARIOS, STREET_SCENARIOS
+from sooner.scenarios import AREA_SCENARIOS, SCENARIOS, STREET_SCENARIOS
 
 
-@pytest.mark.parametrize("name", SCENARIOS)
+@pytest.mark.parametrize("name", [*SCENARIOS, *AREA_SCENARIOS])
 def test_a_scenario_is_written_ready_to_plan(sooner, tmp_path, name):
     ended = sooner("scenario", name, "--out", tmp_path / "out")
     assert ended.status == 0
     assert ended.out == f"mission  {tmp_path / 'out' / 'mission.toml'}\n"
-    assert read_mission(tmp_path / "out" / "mission.toml").problem.searcher.budget >= 100
+    assert read_mission(tmp_path / "out" / "mission.toml").problem.searchers[0].budget >= 100
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
@@ -22,7 +22,7 @@ def test_a_search_over_streets_is_written_ready_to_fly(sooner, tmp_path, seed):
 
 def test_scenarios_are_listed(sooner):
     listed = [line.split()[0] for line in sooner("scenario").out.splitlines()]
-    assert listed == [*SCENARIOS, *STREET_SCENARIOS]
+    assert listed == [*SCENARIOS, *AREA_SCENARIOS, *STREET_SCENARIOS]
 
 
 def test_an_unknown_scenario_is_refused(sooner, tmp_path):

@@ -2,6 +2,7 @@
 
 from sooner.scenarios.bimodal import bimodal
 from sooner.scenarios.drifting_hiker import drifting_hiker
+from sooner.scenarios.lost_hiker import LostHiker, lost_hiker
 from sooner.scenarios.many_hills import many_hills
 from sooner.scenarios.natural import (
     EXPERIMENT_2_CELLS,
@@ -13,7 +14,14 @@ from sooner.scenarios.natural import (
     natural_environments,
     starts,
 )
-from sooner.scenarios.registry import SCENARIOS, STREET_SCENARIOS, make_scenario, make_street_scenario
+from sooner.scenarios.registry import (
+    AREA_SCENARIOS,
+    SCENARIOS,
+    STREET_SCENARIOS,
+    make_area_scenario,
+    make_scenario,
+    make_street_scenario,
+)
 from sooner.scenarios.rough_ground import RoughGround, rough_ground
 from sooner.scenarios.rugged_ridge import rugged_ridge
 from sooner.scenarios.scenario import Scenario
@@ -22,11 +30,13 @@ from sooner.scenarios.street_grid import STREET_KINDS, street_grid
 from sooner.scenarios.street_search import StreetSearch, street_search
 
 __all__ = [
+    "AREA_SCENARIOS",
     "EXPERIMENT_2_CELLS",
     "NATURAL_KINDS",
     "SCENARIOS",
     "STREET_KINDS",
     "STREET_SCENARIOS",
+    "LostHiker",
     "NaturalEnvironment",
     "RoughGround",
     "Scenario",
@@ -36,6 +46,8 @@ __all__ = [
     "drifting_hiker",
     "elevation",
     "experiment_2",
+    "lost_hiker",
+    "make_area_scenario",
     "make_scenario",
     "make_street_scenario",
     "many_hills",
