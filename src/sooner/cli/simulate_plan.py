@@ -1,4 +1,4 @@
-"""`sooner simulate` of a mission over cells or over regions: plan, fly, and compare with what was promised."""
+"""`sooner simulate` of a plan over cells, over regions or along legs: fly it, and compare with what was promised."""
 
 from __future__ import annotations
 
@@ -36,7 +36,11 @@ SECONDS = 10.0
 def simulate_plan(mission_file: Path, asked: Asked, folder: Folder, as_json: bool, quiet: bool) -> int:
     """Plan, fly, write, tell; answers the exit status."""
     mission = read_mission(mission_file)
-    folder.check("trials.csv", "simulation.json", "plan.csv", "plan.png", *episode_files(asked))
+    if mission.over_legs and asked.animate:
+        expected = "expected it left out along legs, of which no episode is kept"
+        raise DataFormatError(Fault("--animate", "", 'it came, and moves = "legs"', expected))
+    kept = [] if mission.over_legs else episode_files(asked)
+    folder.check("trials.csv", "simulation.json", "plan.csv", "plan.png", *kept)
     every = None if asked.replan is None else _every(mission, asked.replan)
     planned = _planned(mission, asked, quiet)
     if not quiet:
@@ -62,7 +66,7 @@ def simulate_plan(mission_file: Path, asked: Asked, folder: Folder, as_json: boo
                 "simulation.json": (json.dumps(result, allow_nan=False) + "\n").encode(),
                 "plan.csv": plan_file(mission, planned.score.plan),
                 "plan.png": plan_picture(planned),
-                **_episode(planned, every, asked),
+                **({} if mission.over_legs else _episode(planned, every, asked)),
             }
         )
     if as_json:
@@ -136,9 +140,12 @@ def _tell(mission: Mission, trials: PlanTrials, asked: Asked, planner: str, fold
             )
     if mission.sight.false_alarm:
         print(f"  false alarms                        {trials.false_alarms.told(1)} a flight")
-    for name in ("trials.csv", "plan.csv", "episode.npz"):
+    for name in ("trials.csv", "plan.csv", *([] if mission.over_legs else ["episode.npz"])):
         print(f"{name.split('.')[0]:8} {folder.path / name}")
-    print(f"pictures {folder.path / 'plan.png'}, episode.png{', episode.gif' if asked.animate else ''}")
+    if mission.over_legs:
+        print(f"picture  {folder.path / 'plan.png'}")
+    else:
+        print(f"pictures {folder.path / 'plan.png'}, episode.png{', episode.gif' if asked.animate else ''}")
 
 
 def _amount(mission: Mission, mean: Mean) -> str:
@@ -152,6 +159,6 @@ def _amount(mission: Mission, mean: Mean) -> str:
 
 def _time(mission: Mission, mean: Mean) -> str:
     """Steps or seconds, and as a clock shows them."""
-    unit = " s" if mission.over_regions else " steps"
+    unit = " s" if mission.timed else " steps"
     seconds = None if mission.unit_s is None or mean.value is None else mean.value * mission.unit_s
     return mean.told(1, unit) + ("" if seconds is None else f"   ({clock(seconds)})")

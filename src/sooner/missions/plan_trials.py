@@ -1,4 +1,4 @@
-"""Trials of a plan over cells or over regions: what is hidden is drawn, the plan is flown, and looks may err."""
+"""Trials of a plan: what is hidden is drawn, the plan is flown, and looks may err."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from math import nan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from sooner.problem import Plan, SearchProblem
 from sooner.problem.regions import RegionMoves
 from sooner.simulation.answers import AnswerModel, rate_entropy
 from sooner.simulation.hidden import Hidden, Noise
+
+if TYPE_CHECKING:
+    from sooner.missions.leg_trials import LegFlyover
 
 __all__ = ["COLUMNS", "Flyover", "PlanLooks", "PlanTrial", "PlanTrials", "fly_plan"]
 
@@ -226,12 +229,12 @@ class PlanTrials:
         timed = mission.sight.unit != "bits" and not np.isnan(promised)
         return {
             "mission": mission.name,
-            "moves": "regions" if mission.over_regions else "cells",
+            "moves": mission.moves,
             "trials": len(self.trials),
             "seed": self.trials[0].seed,
             "unit": mission.sight.unit,
             "value": self.value.result() | {"promised": evaluation.total, "off_by_errors": self.off},
-            "time_unit": "seconds" if mission.over_regions else "steps",
+            "time_unit": "seconds" if mission.timed else "steps",
             "step_s": mission.step_s,
             "found_after": self.time_if_found.result() | {"promised": promised if timed else None},
             "false_alarms": self.false_alarms.result(),
@@ -249,10 +252,13 @@ def fly_plan(score: Score, seeds: range, workers: int = 1) -> Iterator[PlanTrial
     """
     if score.mission.problem.drift is not None:
         raise UnsupportedProblemError("a person who moves came; plans are flown against those who stay")
-    yield from for_each_seed(partial(_fly, Flyover.of(score)), seeds, workers)
+    from sooner.missions.leg_trials import LegFlyover
+
+    flyover = LegFlyover.of(score) if score.mission.over_legs else Flyover.of(score)
+    yield from for_each_seed(partial(_fly, flyover), seeds, workers)
 
 
-def _fly(flyover: Flyover, seed: int) -> PlanTrial:
+def _fly(flyover: Flyover | LegFlyover, seed: int) -> PlanTrial:
     return flyover.flown(seed)
 
 

@@ -111,6 +111,9 @@ def check_replanning(mission: Mission) -> None:
     ------
     DataFormatError
     """
+    if mission.over_legs:
+        why = "expected it left out along legs: plans are flown to their end"
+        raise DataFormatError(Fault("--replan", "", 'it came, and moves = "legs"', why))
     if isinstance(mission.sight.known, Belief) and not mission.sight.false_alarm:
         came = "it came, and area.poc without false alarms"
         why = (
