@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import shapely
 
-from sooner.errors import InfeasibleProblemError, InvalidProblemError
+from sooner.errors import InfeasibleProblemError, InvalidProblemError, UnsupportedProblemError
 from sooner.grid import Grid
 from sooner.grid.airspace import Airspace
 from sooner.motion.pace import Pace, Terrain
 from sooner.planners import Planner
-from sooner.planners.planner import follow
+from sooner.planners.planner import follow, refuse_unhandled
 from sooner.problem import Searcher, SearchProblem
 from sooner.problem.gains import effort_gains
 from sooner.problem.leg_moves import LegMoves, places_of
@@ -139,13 +139,14 @@ def fly_area(seed: int, planner: Planner, ticks: int = 8) -> Flown:
     drawn = ground(rng)
     try:
         problem = _any_search(rng, drawn)
+        refuse_unhandled(problem, planner)
         advance = follow(planner.plans(problem, rng))
         for tick in range(ticks):
             incumbent = advance(tick / ticks)
             if incumbent is None:
                 break
             best = incumbent
-    except (InvalidProblemError, InfeasibleProblemError) as error:
+    except (InvalidProblemError, InfeasibleProblemError, UnsupportedProblemError) as error:
         return Flown(f"{type(error).__name__}: {error}")
     broken, shares = [], []
     for number, (searcher, actions) in enumerate(zip(problem.searchers, best.plan.actions, strict=True)):
