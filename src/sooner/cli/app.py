@@ -161,6 +161,28 @@ def export_plan(
     return partial(_run, "export", "export_plan", mission, plan, formats or [], out, autopilot, dji, json, force)
 
 
+@app.command(name="report")
+def report_plan(
+    mission: MissionFile,
+    plan: Annotated[Path, typer.Argument(metavar="PLAN.csv", help="What `sooner plan` wrote, or a plan of your own.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.html", help="The file to write; left out: report.html beside the plan."),
+    ] = None,
+    seconds: Annotated[
+        float, typer.Option(help="For the bound, and for the search patterns that the plan is compared with.")
+    ] = 10.0,
+    json: Json = False,
+    force: Force = False,
+) -> Work:
+    """Write a plan as one page for the command post and a sheet for each pilot, to read or to print.
+
+    One HTML file that needs no network: map, CDP curve, what remains and where, assumptions, bound, along legs the
+    classic patterns beside the plan; then for each flight its legs, times, reserve, and blanks to fill by hand.
+    """
+    return partial(_run, "report", "report_plan", mission, plan, out, seconds, json, force)
+
+
 @app.command(name="upload")
 def upload_plan(
     mission: MissionFile,
