@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,9 @@ __all__ = ["Covering", "covering"]
 _SURE = 1e-3  # of the radius, that is kept in hand so that rounding leaves no gap
 _CLOSER = (1.0, 0.95, 0.9)  # strips that are narrower than they must be let their lanes end earlier
 _MANY_CORNERS = 1000
-_MANY_LANES = 80  # across the ground, beyond which less is tried, as it takes longer and matters less
+_ANGLES = 18  # of half a turn, by which lanes are turned
+_TURNS = (0, 9, 5, 14, 2, 7, 11, 16, 1, 3, 4, 6, 8, 10, 12, 13, 15, 17)  # the most unlike first
+_EFFORT = 100_000  # squared legs of all tries, after which no more are made
 _SIMPLER = (0.01, 0.03, 0.1)  # radii by which borders are drawn simpler, one after the other
 _MENDED = 8  # of the tries, the best, whose gaps are closed before the best is chosen
 _SEEN = 5e-3  # of the radius: what can only be seen from less near than that counts as out of sight
@@ -95,14 +98,16 @@ def covering(polygon: Any, radius: float, overlap: float = 0.0, free: Any = None
     unseen = polygon.difference(in_sight)
     border = _border(ground, free, radius)
     spacing = 2 * radius * (1 - 2.5 * _SURE) * (1 - overlap)
-    many = float(np.hypot(*np.diff(np.reshape(ground.bounds, (2, 2)), axis=0)[0])) > _MANY_LANES * spacing
-    tries = [
-        _laned(ground, free, radius, spacing * closer, angle, border)
-        for angle in _angles(ground, 4 if many else 18)
-        for closer in (_CLOSER[:1] if many else _CLOSER)
-    ]
+    tries, effort = [], 0
+    for closer, angle in product(_CLOSER, [narrowest(ground) + k * np.pi / _ANGLES for k in _TURNS]):
+        tracks, legs = _laned(ground, free, radius, spacing * closer, angle, border)
+        tries.append(tracks)
+        effort += legs**2  # as a tour of them takes
+        if effort > _EFFORT:
+            break
     tries.sort(key=lambda tracks: _cost(tracks, turn_m))
-    mends = [mended(tracks, ground, free, radius * (1 - _SURE)) for tracks in tries[: 2 if many else _MENDED]]
+    few = max(2, min(_MENDED, len(tries) // 4))
+    mends = [mended(tracks, ground, free, radius * (1 - _SURE)) for tracks in tries[:few]]
     return Covering(min(mends, key=lambda tracks: _cost(tracks, turn_m)), unseen)
 
 
@@ -135,12 +140,6 @@ def _inner(free: Any, radius: float) -> Any:
     return free
 
 
-def _angles(ground: Any, tried: int) -> list[float]:
-    """Angles worth trying: along the ground, and in equal turns from there."""
-    along = narrowest(ground)
-    return [along + k * np.pi / tried for k in range(tried)]
-
-
 def _border(ground: Any, free: Any, radius: float) -> Tracks:
     """Stretches of the free ground's border, from which alone the drone sees ground far beyond it."""
     beyond = ground.difference(free.buffer(radius / 2))
@@ -152,8 +151,8 @@ def _border(ground: Any, free: Any, radius: float) -> Tracks:
     return tuple(shapely.get_coordinates(line) for line in merged)
 
 
-def _laned(ground: Any, free: Any, radius: float, spacing: float, angle: float, border: Tracks) -> Tracks:
-    """Stretches of border, and lanes over what they leave, in the order of a short tour."""
+def _laned(ground: Any, free: Any, radius: float, spacing: float, angle: float, border: Tracks) -> tuple[Tracks, int]:
+    """Stretches of border, and lanes over what they leave, in the order of a short tour; and how many they are."""
     sure = radius * (1 - 2.5 * _SURE)
     left = gaps(ground, border, sure) if border else ground
     legs = strip_legs(turned(left, -angle), turned(free, -angle), sure, spacing)
@@ -161,4 +160,5 @@ def _laned(ground: Any, free: Any, radius: float, spacing: float, angle: float, 
     tracks = joined(toured(stretches, free, 6 * radius), free)
     # long gaps, along slanting borders, are worth legs of their own in the order
     long = [leg for gap in pieces_of(gaps(ground, tracks, sure), sure) for leg in legs_along(gap, free, sure)]
-    return joined(toured([*stretches, *long], free, 6 * radius), free) if long else tracks
+    stretches += long
+    return joined(toured(stretches, free, 6 * radius), free) if long else tracks, len(stretches)

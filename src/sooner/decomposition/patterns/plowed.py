@@ -13,6 +13,8 @@ from sooner.decomposition.patterns.legs import Tracks, checked_place, joined
 
 __all__ = ["plowed"]
 
+_MANY = 5000
+
 
 def plowed(free: Any, spacing: float, angle: float, commence: ArrayLike | None = None) -> Tracks:
     """Parallel legs at an angle over all of the ground, one track spacing apart.
@@ -61,7 +63,9 @@ def _in_turns(chain: Sequence[Lane], east: bool, inset: float) -> NDArray[np.flo
 
 
 def _nearest_first(ways: list[list[NDArray[np.float64]]], here: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """One way over each chain, that which begins nearest to the end of the one before."""
+    """One way over each chain, that which begins nearest to the end of the one before; of very many as they come."""
+    if len(ways) > _MANY:
+        return [lane for each in ways for lane in each[0]]
     starts = np.array([[way[0, 0] for way in each] for each in ways])
     flown = []
     for _ in ways:

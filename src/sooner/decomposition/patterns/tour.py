@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from sooner.decomposition.patterns.legs import Tracks, roomy
 __all__ = ["toured"]
 
 _MANY = 1000  # stretches beyond which the first order is kept: improving it takes their square in memory
+_REVERSED = 50_000_000  # pairs that are looked at
 _AROUND = 1.5  # what a way counts for that is not straight, in straight ones
 
 
@@ -38,26 +39,24 @@ def toured(stretches: Sequence[NDArray[np.float64]], free: Any, near: float) -> 
     if len(stretches) < 2:
         return tuple(stretches)
     ends = np.array([(stretch[0], stretch[-1]) for stretch in stretches])
-    if len(stretches) > _MANY:
-        order = (
-            _nearest_first(_apart_plainly(ends)) if len(stretches) <= 4 * _MANY else [2 * k for k in range(len(ends))]
-        )
+    if len(stretches) > 10 * _MANY:
+        order = [2 * number for number in range(len(stretches))]
+    elif len(stretches) > _MANY:
+        places = ends.reshape(-1, 2)
+        order = _nearest_first(len(places), lambda here: np.hypot(*(places - places[here]).T))
     else:
         apart = _apart(ends, free, near)
-        order = _improved(_nearest_first(apart), apart)
+        order = _improved(_nearest_first(len(apart), lambda here: apart[here]), apart)
     return tuple(stretches[at // 2] if at % 2 == 0 else stretches[at // 2][::-1] for at in order)
 
 
-def _apart_plainly(ends: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(2 n, 2 n): metres between ends; that of stretch k where it begins is 2 k, where it ends 2 k + 1."""
-    places = ends.reshape(-1, 2)
-    return np.asarray(np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)))
-
-
 def _apart(ends: NDArray[np.float64], free: Any, near: float) -> NDArray[np.float64]:
-    """As `_apart_plainly`, but longer where the way between them is not straight."""
-    apart = _apart_plainly(ends)
+    """(2 n, 2 n): metres between ends; that of stretch k where it begins is 2 k, where it ends 2 k + 1.
+
+    More where the way between them is not straight.
+    """
     places = ends.reshape(-1, 2)
+    apart = np.asarray(np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)))
     if free.convex_hull.area <= free.area * (1 + 1e-9):
         return apart
     a, b = np.nonzero(np.triu(apart <= near, 1))
@@ -67,13 +66,13 @@ def _apart(ends: NDArray[np.float64], free: Any, near: float) -> NDArray[np.floa
     return np.asarray(np.where(straight, apart, _AROUND * apart + (apart <= near) * near))
 
 
-def _nearest_first(apart: NDArray[np.float64]) -> list[int]:
-    """From the first stretch on, the end at which each is entered."""
+def _nearest_first(count: int, apart: Callable[[int], NDArray[np.float64]]) -> list[int]:
+    """From the first stretch on, the end of each at which it is entered; `apart` gives metres from one to all ends."""
     order, here = [0], 1
-    left = np.full(len(apart), True)
+    left = np.full(count, True)
     left[:2] = False
     while left.any():
-        entered = int(np.argmin(np.where(left, apart[here], np.inf)))
+        entered = int(np.argmin(np.where(left, apart(here), np.inf)))
         order.append(entered)
         left[[entered, entered ^ 1]] = False
         here = entered ^ 1
@@ -84,7 +83,7 @@ def _improved(order: list[int], apart: NDArray[np.float64]) -> list[int]:
     """The order after reversals, the best first, until none makes it shorter by a millimetre."""
     tour = np.array(order)
     n = len(tour)
-    for _ in range(4 * n):
+    for _ in range(min(4 * n, _REVERSED // n**2)):
         entered, left = tour, tour ^ 1
         # reversing i..j: what led into i leads into where j was left, and j's next is led into from where i was entered
         before = np.concatenate([[np.inf], apart[left[:-1], entered[1:]]])

@@ -16,6 +16,7 @@ from sooner.planners.leg_ground import LegGround
 __all__ = ["Searched", "connected"]
 
 _WITHIN_M = 0.03  # inside of what planners may fly in, so that places kept to the centimetre are too
+_RAGGED = 50_000  # corners
 _SHARES = (0.3, 0.6, 0.9)  # of the POC that a search area may hold
 _FLOWN = (0.5, 0.8)  # of what all sorties fly, that may be flown over the search area
 
@@ -106,8 +107,9 @@ class Searched:
 
     @cached_property
     def polygon(self) -> Any:
-        """(Multi)Polygon: all cells that pay, also those that are only seen from beside them."""
-        return self._ground_of(np.flatnonzero((self.ground.poc > 0) & (self.ground.moves[0].swath.strength > 0)))
+        """(Multi)Polygon: all cells that pay, also those that are only seen from beside them; ragged ones in a hull."""
+        cells = self._ground_of(np.flatnonzero((self.ground.poc > 0) & (self.ground.moves[0].swath.strength > 0)))
+        return cells if shapely.get_num_coordinates(cells) <= _RAGGED else cells.convex_hull
 
     def areas(self, spacing_m: float) -> Iterator[Any]:
         """Search areas worth a try, cut to the free ground: all of it, then rectangles about where the person may be.
