@@ -1,10 +1,12 @@
 """Sorties along legs as aircraft are told them: the judged line, above the ground, in the judged time."""
 
+import json
 from itertools import pairwise
 
 import numpy as np
 import pytest
 import rasterio
+import rasterio.warp
 import shapely
 
 from sooner.io.flights.aircraft import Aircraft
@@ -97,6 +99,41 @@ def test_a_surface_above_home_takes_longer_to_climb_to_and_eats_of_the_reserve(t
     assert plan.takeoff_s == pytest.approx(vehicle.climb_s(climbs), abs=0.01)
     assert plan.landing_s == pytest.approx(vehicle.landing_s(climbs), abs=0.01)
     assert any("above home itself" in note for note in told.notes)
+
+
+@pytest.mark.parametrize("crs", [None, "EPSG:32632", "EPSG:3035", "EPSG:2154", "EPSG:4326"])
+def test_places_come_back_to_the_judged_line_whatever_the_raster(tmp_path, crs):
+    """Raster -> plan -> .plan -> metres of the frame by PROJ itself: below 0.1 m."""
+    path = leg_mission(tmp_path)
+    if crs is not None:
+        poc = np.outer(np.arange(1.0, 46.0), np.arange(1.0, 71.0)).astype(np.float32)
+        if crs == "EPSG:4326":
+            raster(tmp_path / "poc.tif", poc, 25.0)
+        else:
+            _projected(tmp_path / "poc.tif", poc, crs)
+        path.write_text(path.read_text().replace("cell_m = 25.0", 'cell_m = 25.0\npoc = "poc.tif"'))
+    score = there_and_back(path, ROUND)
+    ground = score.mission.ground
+    items = json.loads(qgroundcontrol_plan(flights(score).plans[0], Aircraft()))["mission"]["items"]
+    lat, lon = np.array([item["params"][4:6] for item in items if item["command"] == 16]).T
+    east, north = rasterio.warp.transform("EPSG:4326", ground.crs, lon.tolist(), lat.tolist())
+    unit_m = ground.cell_m / ground.side
+    south_west = np.array(ground.corner) * unit_m + [
+        ground.cell_m / 2,
+        (0.5 - score.mission.problem.grid.shape[0]) * ground.cell_m,
+    ]
+    found = np.column_stack([east, north]) * unit_m - south_west
+    line = places_of(score.plan.actions[0])
+    assert np.abs(found - line).max() < 0.1
+
+
+def _projected(path, values, crs):
+    """A raster in metres of another projection around the area."""
+    (east,), (north,) = rasterio.warp.transform("EPSG:4326", crs, [11.1985], [46.1105])
+    at = rasterio.Affine(30.0, 0, east, 0, -30.0, north)
+    profile = {"driver": "GTiff", "height": 70, "width": 90, "count": 1, "dtype": "float32"}
+    with rasterio.open(path, "w", **profile, crs=crs, transform=at) as file:
+        file.write(np.pad(values, ((0, 25), (0, 20)), mode="edge"), 1)
 
 
 # ---------------------------------------------------------------- terrain

@@ -16,7 +16,10 @@ from mavsdk.plugins.mission_raw import MissionRaw
 from mavsdk.plugins.mission_raw_server import MissionRawServer
 
 from sooner.io.flights import FORMATS, Aircraft
+from sooner.missions.exported import export
+from sooner.missions.flight_plans import flights
 from tests.io.flights.plans import HOSTILE, RIDGE, flight_plans, named
+from tests.missions.leg_missions import leg_mission, there_and_back
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # within pymavlink
 
@@ -259,3 +262,55 @@ def test_gdal_takes_any_name_for_text(beside, hostile):
     close(rows[1][1], RIDGE.places)
     (layer, _), *_ = pyogrio.list_layers(beside("kml", named(hostile)))
     close(gdal(beside("kml", named(hostile)), layer)[0][1], RIDGE.places)
+
+
+# ---------------------------------------------------------------- sorties along legs
+
+
+@pytest.fixture
+def sorties(tmp_path):
+    """Two drones over hills, two batteries each, as a mission's plan is exported."""
+    path = leg_mission(tmp_path, 2, 2, True, "[wind]\nspeed_mps = 6\nfrom_deg = 250")
+    score = there_and_back(path, [[200, 900], [800, 900], [800, 100]], [[1400, 900], [1400, 300]])
+    return score, flights(score).plans
+
+
+def test_an_autopilot_takes_every_sortie_and_tells_it_back(link, sorties):
+    missions, _ = link
+    for plan in sorties[1]:
+        read = missions.import_qgroundcontrol_mission_from_string(written("qgc", plan).decode())
+        missions.upload_mission(read.mission_items)  # raises unless it is acknowledged
+        back = missions.download_mission()
+        close(places_of(back), plan.places)
+        heights = [item.z for item in back if item.command == WAYPOINT]
+        np.testing.assert_allclose(heights, [each.altitude_m for each in plan.waypoints], atol=1e-3)
+        corners = [corner for fence in plan.fences for corner in fence.corners]
+        close([(item.x / 1e7, item.y / 1e7) for item in read.geofence_items], corners)
+
+
+def test_pymavlink_and_gdal_read_every_sortie(sorties, tmp_path):
+    from pymavlink import mavwp
+
+    score, plans = sorties
+    made = export(score, ["waypoints", "gpx", "kml", "caltopo", "geotiff"]).files
+    for name, content in made.items():
+        (tmp_path / name).write_bytes(content)
+    for number, plan in enumerate(plans):
+        loader = mavwp.MAVWPLoader()
+        with redirect_stdout(StringIO()):
+            count = loader.load(str(tmp_path / f"flight-{number}.waypoints"))
+        items = [loader.wp(each) for each in range(count)]
+        close([(item.x, item.y) for item in items if item.command == WAYPOINT], [plan.home, *plan.places])
+    routes = gdal(tmp_path / "flight.gpx", "routes")
+    assert [told["name"] for told, _ in routes] == [plan.name for plan in plans]
+    for (_, points), plan in zip(routes, plans, strict=True):
+        close(points, plan.places)
+    layers = [name for name, _ in pyogrio.list_layers(tmp_path / "flight.kml")]
+    assert layers == [plan.name for plan in plans]
+    close(gdal(tmp_path / "flight.kml", layers[2])[0][1], plans[2].places)
+    lines = [points for told, points in gdal(tmp_path / "flight.geojson") if told["title"] in layers]
+    close(next(points for points in lines if points is not None and len(points) > 1), plans[0].places)
+    import rasterio
+
+    with rasterio.open(tmp_path / "pod.tif") as source:
+        assert source.read(1).max() == pytest.approx(1.0)

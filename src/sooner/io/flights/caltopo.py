@@ -36,7 +36,7 @@ def _features(plan: FlightPlan, ink: str) -> Iterator[dict[str, Any]]:
 
 
 def _about(plan: FlightPlan) -> str:
-    told = [f"drone {plan.searcher}", f"{plan.length_m:.0f} m", plan.height]
+    told = [f"flight {plan.searcher}", f"{plan.length_m:.0f} m", plan.height]
     if plan.duration_s is not None:
         told.append(f"{plan.duration_s:.0f} s")
     if plan.departs_s:

@@ -30,7 +30,7 @@ def cursor_on_target(plan: FlightPlan, aircraft: Aircraft) -> bytes:
     route = plan.identifier("route")
     links = [_link(plan, f"{route}-{number}", number, each) for number, each in enumerate(plan.waypoints)]
     called = empty("contact", {"callsign": plan.name})
-    detail = branch("detail", [*links, empty("link_attr", DRAWN), called, leaf("remarks", f"drone {plan.searcher}")])
+    detail = branch("detail", [*links, empty("link_attr", DRAWN), called, leaf("remarks", f"flight {plan.searcher}")])
     times = {"time": WRITTEN, "start": WRITTEN, "stale": STALE}
     told = {"version": "2.0", "uid": route, "type": "b-m-r", **times, "how": "h-e"}
     return document(branch("event", [empty("point", NOWHERE), detail], told))
