@@ -86,19 +86,22 @@ def test_take_off_and_landing_are_told_apart_and_later_sorties_leave_later(tmp_p
     assert second.departs_s == pytest.approx(1500 * 0.8 + 60)  # the whole first battery, and the swap
 
 
-def test_a_surface_above_home_takes_longer_to_climb_to_and_eats_of_the_reserve(tmp_path):
-    path = leg_mission(tmp_path, 1, 1, True)
+def test_a_surface_above_home_takes_longer_to_climb_to_which_the_plan_keeps_time_for(tmp_path):
+    path = leg_mission(tmp_path, 1, 2, True)
     pit = np.full((45, 70), 640.0, np.float32)
     pit[40:43, 5:8] = 600.0  # home lies in it
     raster(tmp_path / "heights.tif", pit, 25.0)
     score = there_and_back(path, ROUND)
     told, vehicle = flights(score), score.mission.sorties[0].vehicle
-    (plan,) = told.plans
-    climbs = plan.waypoints[0].altitude_m
+    first, second = told.plans
+    climbs = first.waypoints[0].altitude_m
     assert climbs > 80.0
-    assert plan.takeoff_s == pytest.approx(vehicle.climb_s(climbs), abs=0.01)
-    assert plan.landing_s == pytest.approx(vehicle.landing_s(climbs), abs=0.01)
-    assert any("above home itself" in note for note in told.notes)
+    assert first.takeoff_s == pytest.approx(vehicle.climb_s(climbs), abs=0.01)
+    assert first.landing_s == pytest.approx(vehicle.landing_s(climbs), abs=0.01)
+    budget = score.mission.problem.searchers[0].budget
+    assert budget + first.takeoff_s + first.landing_s == pytest.approx(1500.0 * 0.8, abs=0.1)
+    assert second.departs_s == pytest.approx(1500.0 * 0.8 + 60.0, abs=0.1)
+    assert told.notes == ()
 
 
 @pytest.mark.parametrize("crs", [None, "EPSG:32632", "EPSG:3035", "EPSG:2154", "EPSG:4326"])

@@ -15,7 +15,7 @@ from sooner.io.georeference import Georeference
 from sooner.io.leg_plans import places_on_globe
 from sooner.missions.drawn_fences import drawn_fences
 from sooner.missions.mission_file import Mission
-from sooner.missions.over_legs import SMOOTHED_CELLS, Sortie
+from sooner.missions.over_legs import SMOOTHED_CELLS
 from sooner.missions.score import Score
 from sooner.missions.settings import Place as OnGlobe
 from sooner.motion.following import followed
@@ -40,14 +40,13 @@ class Sky:
     points : (n, 2) float       east and north, where waypoints lie
     heights : (n,) float        above the sea; above home where nobody knows how high that is
     speeds : (n,) float         metres a second on the way to each; the first is the flight's own
-    ground_m, landing_m : float height of the ground at home and at the last of them, in the same count
+    ground_m : float            height of the ground at home, in the same count
     """
 
     points: Floats
     heights: Floats
     speeds: Floats
     ground_m: float = 0.0
-    landing_m: float = 0.0
 
 
 def label(mission: Mission, number: int) -> str:
@@ -70,7 +69,6 @@ def leg_flight(score: Score, number: int, ground: Georeference) -> tuple[FlightP
     places = [(float(lat), float(lon)) for lat, lon in places_on_globe(mission.problem, ground, sky.points)]
     if finish == "land" and isinstance(said.end, OnGlobe):
         places[-1] = (said.end.lat, said.end.lon)
-    up_s, down_s, height_notes = _ends(sortie, sky)
     fenced, fence_notes = drawn_fences(mission, sky.points, finish == "return")
     plan = FlightPlan(
         name=mission.name if len(mission.sorties) == 1 else f"{mission.name}, {label(mission, number)}",
@@ -83,11 +81,11 @@ def leg_flight(score: Score, number: int, ground: Georeference) -> tuple[FlightP
         home_altitude_m=None if mission.area is None or mission.area.elevation is None else sky.ground_m,
         fences=fenced,
         landings=() if finish == "return" else (places[-1],),
-        takeoff_s=up_s,
-        landing_s=down_s,
+        takeoff_s=sortie.takeoff_s,
+        landing_s=sortie.landing_s,
         departs_s=max(moves.departs_s - sortie.takeoff_s, 0.0),
     )
-    return plan, (*notes, *height_notes, *fence_notes)
+    return plan, (*notes, *fence_notes)
 
 
 def _waypoints(places: list[tuple[float, float]], sky: Sky, usual_mps: float) -> tuple[Waypoint, ...]:
@@ -143,8 +141,7 @@ def _sky(mission: Mission, moves: LegMoves, line: Floats, above_m: float) -> Sky
     along, heights = followed(line, surface, relief.ground, above_m, OFF_M)
     flown = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
     points = np.column_stack([np.interp(along, flown, line[:, axis]) for axis in (0, 1)])
-    ground_m, landing_m = relief.ground.heights_at(line[[0, -1]]).tolist()
-    return Sky(points, heights, _speeds(moves.pace, points), ground_m, landing_m)
+    return Sky(points, heights, _speeds(moves.pace, points), float(relief.ground.heights_at(line[:1])[0]))
 
 
 def _speeds(pace: Pace, points: Floats) -> Floats:
@@ -169,18 +166,3 @@ def _speeds(pace: Pace, points: Floats) -> Floats:
             vertical = np.maximum(rises / climb, -rises / descent)
             found[k] = length / np.maximum(length / count / found[k], vertical).sum()
     return found
-
-
-def _ends(sortie: Sortie, sky: Sky) -> tuple[float, float, tuple[str, ...]]:
-    """Seconds up and down, and what is said of them where the surface that is followed lies above the ground there."""
-    climbs, sinks = float(sky.heights[0] - sky.ground_m), float(sky.heights[-1] - sky.landing_m)
-    if sortie.vehicle is None:
-        return 0.0, 0.0, ()
-    up_s, down_s = sortie.vehicle.climb_s(climbs), sortie.vehicle.landing_s(sinks)
-    late_s = up_s + down_s - sortie.takeoff_s - sortie.landing_s
-    if late_s < 1.0:
-        return up_s, down_s, ()
-    higher = f"the surface that it follows is {climbs - sortie.altitude_m:.0f} m above home itself"
-    if sinks - sortie.altitude_m > climbs - sortie.altitude_m:
-        higher = f"the surface that it follows is {sinks - sortie.altitude_m:.0f} m above where it lands"
-    return up_s, down_s, (f"{higher}: up and down take {late_s:.0f} s more than the plan keeps for them",)

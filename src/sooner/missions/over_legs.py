@@ -100,6 +100,10 @@ class OverLegs:
             add("objective.detection_target", f"{settings.objective.detection_target:g} came", expected)
         if settings.sensor.model == "beta" or settings.sensor.false_alarm:
             add("sensor", "looks that err came", 'expected looks that detect or miss along legs, or moves = "regions"')
+        looks = [key for key in ("difficulty", "glimpse", "land_cover") if getattr(settings.sensor, key) is not None]
+        if settings.sensor.sweep_width_m is not None and looks:
+            expected = "expected one of them: a sweep width says all that a sensor detects"
+            add(f"sensor.{looks[0]}", "it came beside sweep_width_m", expected)
         if settings.sensor.correlation:
             add("sensor.correlation", f"{settings.sensor.correlation:g} came", "expected it left out along legs")
         if settings.sensor.range_m is not None:
@@ -138,7 +142,7 @@ class OverLegs:
             self.faults.add(f"{key}.vehicle", "a fixed wing came", "expected a copter: legs stop where they turn")
         windy = wind_fault(str(self.faults.path), self.settings.wind, said.vehicle, vehicle.airspeed_mps)
         if windy is not None:
-            self.faults.add(windy.key, windy.came, windy.expected)
+            self.faults.once(windy.key, windy.came, windy.expected)
         return vehicle
 
     def _altitude(self, number: int) -> float:
@@ -212,7 +216,8 @@ class OverLegs:
             free = np.ones(self.layers.shape, bool) if stones is None else ~stones
             return Airspace.of_cells(free, self.layers.cell_m)
         except InvalidProblemError as error:
-            self.faults.add("area", str(error), "expected ground to fly over")
+            if "area.margin_m" not in self.faults.wrong:
+                self.faults.add("area", str(error), "expected ground to fly over")
             return None
 
     def _exactly(self, said: Any, cell: Place) -> Metres:
@@ -269,6 +274,21 @@ class OverLegs:
         limits = pace.airspeed_mps, pace.wind, pace.climb_mps, pace.descent_mps, pace.terrain
         return Pace(asked, said.accel_mps2 or pace.accel_mps2, *limits)
 
+    def _up_and_down_s(self, number: int, said: Searching, vehicle: Vehicle) -> tuple[float, float]:
+        """Seconds of taking off and landing, from and to the ground beneath the surface that is followed."""
+        start, end = self.places[number]
+        up_m = self.altitudes[number] + self._above_ground_m(said.start, start)
+        down_m = up_m if end is None else self.altitudes[number] + self._above_ground_m(said.end, end)
+        return vehicle.climb_s(up_m), vehicle.landing_s(down_m)
+
+    def _above_ground_m(self, said: Any, cell: Place | None) -> float:
+        """By how much the surface that is followed is higher than the ground at a start or end."""
+        area, cell_m = self.layers.area, self.layers.cell_m
+        if self.terrain is None or area is None or area.elevation is None or cell_m is None or cell is None:
+            return 0.0
+        place = np.array([self._exactly(said, cell)])
+        return float((self.terrain.heights_at(place) - Terrain(area.elevation, cell_m).heights_at(place))[0])
+
     def _flights(self, number: int, said: Searching, vehicle: Vehicle | None) -> list[tuple[Sortie, float, float]]:
         """Every sortie of one drone with its seconds on legs, and when the first of them begins."""
         altitude, whole = self.altitudes[number], self.settings.budget.seconds
@@ -278,7 +298,8 @@ class OverLegs:
                 self.faults.add("budget.seconds", "nothing came", expected)
                 return []
             return [(Sortie(number, 0, altitude), whole, 0.0)]
-        up, down, lasts = vehicle.climb_s(altitude), vehicle.landing_s(altitude), vehicle.flying_s(altitude)
+        up, down = self._up_and_down_s(number, said, vehicle)
+        lasts = vehicle.endurance_s - vehicle.reserve_s - up - down
         if lasts < SHORTEST_S:
             came = (
                 f"{said.vehicle} has {max(lasts, 0.0):.0f} s left of a battery after its reserve, climbing and landing"
@@ -298,7 +319,7 @@ class OverLegs:
             )
         if not found:
             came = f"{whole:g} s came, and {said.vehicle} takes {up + down:.0f} s to climb and land"
-            self.faults.add("budget.seconds", came, "expected more time")
+            self.faults.once("budget.seconds", came, "expected more time")
         return found
 
     # ------------------------------------------------------------ the problem
@@ -352,10 +373,29 @@ class OverLegs:
                     sorties.append(sortie)
         if len(sorties) > MOST_SORTIES:
             self.faults.add("searcher", f"{len(sorties)} sorties came", f"expected at most {MOST_SORTIES}")
+        self._check_reach(searchers, sorties)
         self.faults.refuse()
         self.sorties = tuple(sorties)
         problem = SearchProblem(grid, effort_gains(sight.theta), tuple(searchers), sight.objective)
         return problem
+
+    def _check_reach(self, searchers: list[Searcher], sorties: list[Sortie]) -> None:
+        """Batteries that do not last to the search area and back, as the crow flies and without wind."""
+        import shapely
+
+        area = self.layers.area
+        for searcher, sortie in zip(searchers, sorties, strict=True):
+            moves, vehicle = searcher.moves, sortie.vehicle
+            if area is None or vehicle is None or not isinstance(moves, LegMoves):
+                continue
+            ends = [shapely.Point(place) for place in (moves.home, moves.end or moves.home)]
+            far_m = sum(max(float(area.polygon.distance(each)) - moves.swath.radius_m, 0.0) for each in ends)
+            if far_m / moves.pace.speed_mps > searcher.budget:
+                came = (
+                    f"{far_m:.0f} m to the search area and back came, and {searcher.budget:.0f} s of a battery for it"
+                )
+                expected = "expected a nearer start, or a longer endurance_s"
+                self.faults.once(f"searcher[{sortie.drone}].start", came, expected)
 
     def _searcher(
         self,
