@@ -505,3 +505,53 @@ def test_an_area_that_one_look_covers_is_refused_along_legs(folder, sensor):
     drawn(folder / "tiny.geojson", ("Tiny", box(0, 0, 20, 20)), ("car park", point(10, 10)))
     told = 'polygon = { file = "tiny.geojson", title = "Tiny" }\ncell_m = 5'
     refused(mission(folder, told, LEGS, sensor, "seconds = 300"), "area.polygon", "one look covers 5027 m2")
+
+
+COPTER = """speed_mps = 12.0
+accel_mps2 = 2.0
+airspeed_mps = 17.0
+climb_mps = 4.0
+descent_mps = 3.0
+endurance_s = 40
+reserve = 0.0
+"""
+VEHICLE = 'start = "car park"\nend = "car park"\nmoves = "legs"\nvehicle = "copter.toml"\naltitude_m = 30'
+BAD_LEGS = {
+    "no time to get there": (FLIGHT, VEHICLE, "radius_m = 60", "searcher[0].start", ("m to the search area and back",)),
+    "too near to the border": (
+        FLIGHT + "\nmargin_m = 120",
+        LEGS,
+        "radius_m = 60",
+        "searcher[0].start",
+        ("100.0 m from the border", "margin_m = 120"),
+    ),
+    "no width": (FLIGHT, LEGS, "sweep_width_m = 0", "sensor.sweep_width_m", ("0 came",)),
+    "a width of no number": (FLIGHT, LEGS, "sweep_width_m = nan", "sensor.sweep_width_m", ("nan came",)),
+    "a width and a glimpse": (FLIGHT, LEGS, "sweep_width_m = 60\nglimpse = 0.5", "sensor.glimpse", ("sweep_width_m",)),
+    "heights beyond the sky": (
+        FLIGHT + '\nelevation = "sky.tif"',
+        LEGS,
+        "radius_m = 60",
+        "area.elevation",
+        ("heights from 0 to",),
+    ),
+    "a frame of far away": (
+        FLIGHT + '\nframe = "EPSG:3857"',
+        LEGS,
+        "radius_m = 60",
+        "area.frame",
+        ("EPSG:3857", "off here"),
+    ),
+    "no batteries": (FLIGHT, VEHICLE + "\nbatteries = 0", "radius_m = 60", "searcher[0].batteries", ("at least 1",)),
+}
+
+
+@pytest.mark.parametrize("name", BAD_LEGS)
+def test_what_cannot_be_flown_along_legs_is_refused_and_nothing_written(beyond, name):
+    area, searcher, sensor, key, words = BAD_LEGS[name]
+    (beyond / "copter.toml").write_text(COPTER)
+    raster(beyond / "sky.tif", np.where(np.indices((40, 60))[0] == 20, 1e9, 0.0), west=-800.0, north=1500.0)
+    path = mission(beyond, f"{POLYGON}\n{area}", searcher, sensor, "seconds = 300")
+    before = sorted(beyond.iterdir())
+    refused(path, key, *words)
+    assert sorted(beyond.iterdir()) == before

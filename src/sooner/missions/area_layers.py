@@ -38,6 +38,8 @@ Floats = NDArray[np.float64]
 USUAL_CELLS = 40_000  # of a grid whose cells nobody tells
 ROUND_M = (1, 2, 5, 10, 20, 25, 50, 100, 200, 250, 500, 1000, 2000, 5000)
 LEAST_TOLD = 0.0005  # of the probability: less lies outside untold
+LOWEST_M, HIGHEST_M = -500, 9_000  # of ground above the sea
+MOST_UNTRUE = 0.01  # share by which metres of a frame that is told may differ from those on the ground
 DISC_CORNERS = 16  # of a quarter of a circle around a point that nobody flies over
 
 
@@ -120,6 +122,9 @@ def grid_over(faults: Faults, settings: Settings) -> Ground | None:
         return None
     inside = cover(polygon, frame.shape, cell_m)
     _check_size(faults, settings, polygon, cell_m)
+    if crs is not None and frame.scale_error > MOST_UNTRUE:
+        came = f"{crs} came, whose metres are {frame.scale_error:.1%} off here"
+        faults.add("area.frame", came, "expected a projection that is true here, or none: one centred on the area")
     middle = f"{frame.shape[0]} x {frame.shape[1]} cells of {cell_m:g} m"
     where = "centred on the area" if crs is None else crs
     notes += (f"{middle} in a projection {where}: metres true to {max(frame.scale_error, 1e-6):.0e}{told}",)
@@ -257,6 +262,11 @@ def _elevation(faults: Faults, name: str | None, frame: LocalFrame, polygon: Any
         row, col = np.argwhere(needed)[0]
         came = f"{name} says nothing of {int(needed.sum())} cells of the area, the first at [{row}, {col}]"
         faults.add("area.elevation", came, "expected a raster that covers the area")
+        return None
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    if low < LOWEST_M or high > HIGHEST_M:
+        came = f"heights from {low:g} to {high:g} came in {name}"
+        faults.add("area.elevation", came, f"expected metres above the sea, from {LOWEST_M:,} to {HIGHEST_M:,}")
         return None
     return filled(values, missing)
 

@@ -105,7 +105,7 @@ def _schema_faults(
     return faults
 
 
-_BRANCHES = {"str", "float", "list[int]", "Place", "constrained-list", "list[constrained-int]"}
+_BRANCHES = {"str", "float", "constrained-float", "list[int]", "Place", "constrained-list", "list[constrained-int]"}
 _BRANCHES |= {"Drawing", "NoFlyCircle", "Segments", "LandCover"}
 
 

@@ -21,22 +21,26 @@ __all__ = ["Place", "components", "places"]
 
 Place = tuple[int, int]
 
+ROUNDED = 0.01  # of a margin, by which arcs of straight lines fall short of it
 NEARBY = 3  # cells from a place on the border of an area to one wholly within it
 
 
 def places(faults: Faults, settings: Settings, layers: Layers) -> list[tuple[Place | None, Place | None]]:
     """Start and end of every searcher; None where the file gives none, or a wrong one."""
+    margin_m = settings.area.margin_m if settings.over_legs else 0.0  # cells that keep it are told apart elsewhere
     found = []
     for number, said in enumerate(settings.searcher):
         key = f"searcher[{number}]"
         if said.start is None:
             faults.add(f"{key}.start", "nothing came", "expected [row, col], or lat and lon")
-        start, end = (_place(faults, f"{key}.{name}", getattr(said, name), layers) for name in ("start", "end"))
+        start, end = (
+            _place(faults, f"{key}.{name}", getattr(said, name), layers, margin_m) for name in ("start", "end")
+        )
         found.append((start, end))
     return found
 
 
-def _place(faults: Faults, key: str, said: Any, layers: Layers) -> Place | None:
+def _place(faults: Faults, key: str, said: Any, layers: Layers, margin_m: float) -> Place | None:
     if layers.first is None or layers.shape is None or said is None:
         return None
     if isinstance(said, str):
@@ -49,7 +53,7 @@ def _place(faults: Faults, key: str, said: Any, layers: Layers) -> Place | None:
     told = f"[{row}, {col}]" if cell is said else f"{_words(said)}, which is [{row}, {col}],"
     height, width = layers.shape
     if layers.area is not None and not _in_area(
-        faults, key, _words(said), _metres(said, cell, layers.area), layers.area
+        faults, key, _words(said), _metres(said, cell, layers.area), layers.area, margin_m
     ):
         return None
     if not (0 <= row < height and 0 <= col < width):
@@ -110,8 +114,8 @@ def _metres(said: Any, cell: Place, area: RealArea) -> tuple[float, float]:
     return cell[1] * area.ground.cell_m, (area.shape[0] - 1 - cell[0]) * area.ground.cell_m
 
 
-def _in_area(faults: Faults, key: str, told: str, place: tuple[float, float], area: RealArea) -> bool:
-    """Whether a place lies where drones may be, and in no zone."""
+def _in_area(faults: Faults, key: str, told: str, place: tuple[float, float], area: RealArea, margin_m: float) -> bool:
+    """Whether a place lies where drones may be, and in no zone; and so far from the border of both."""
     import shapely
 
     point = shapely.Point(place)
@@ -123,6 +127,11 @@ def _in_area(faults: Faults, key: str, told: str, place: tuple[float, float], ar
         which = "search area" if area.flight_area is None else "flight area"
         expected = "expected a place in it: draw area.flight_area around both it and the way from there"
         faults.add(key, f"{told} came, which lies {away:.0f} m out of the {which}", expected)
+        return False
+    near = min(float(each.distance(point)) for each in (area.border.boundary, area.no_fly) if not each.is_empty)
+    if near < (1.0 - ROUNDED) * margin_m:
+        came = f"{told} came, {near:.1f} m from the border or a no-fly zone, and margin_m = {margin_m:g}"
+        faults.add(key, came, "expected a place farther off, or a smaller area.margin_m")
         return False
     return True
 

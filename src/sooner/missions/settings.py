@@ -252,7 +252,7 @@ class Sensor(_Table):
     prior_looks: Positive = Field(
         default=2.0, description="of model `beta`: how many looks the evidence stands for; 2 with theta 0.5: any rate"
     )
-    sweep_width_m: float | str | None = Field(
+    sweep_width_m: Metres | str | None = Field(
         default=None,
         description="along legs, instead of `glimpse`: sweep width W in metres, a number or a raster; effort adds up "
         "to a coverage C, and POD = 1 - exp(-C)",
