@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -28,7 +28,7 @@ __all__ = ["MapView", "Square", "draw_flights", "draw_growth", "draw_left", "dra
 Floats = NDArray[np.float64]
 
 WIDE, HIGH = 6.7, 6.4  # inches that a map may take
-BESIDE, BELOW = 0.85, 0.55  # for its clock or key
+CLOCK, KEY, EDGE = 1.0, 0.5, 0.12  # beside a map, below it, and around it
 MOST_NUMBERS = 24  # of waypoints; of more each fifth, tenth, ... is numbered
 DPI = 115
 
@@ -74,7 +74,7 @@ def draw_flights(view: MapView, flights: Sequence[tuple[Floats, Floats]], label:
         draw_legend(axes)
         draw_clock(axes, clock, label)
 
-    return _map(view, compose)
+    return _map(view, compose, beside=CLOCK)
 
 
 def draw_left(view: MapView, squares: Sequence[Square]) -> bytes:
@@ -91,7 +91,7 @@ def draw_left(view: MapView, squares: Sequence[Square]) -> bytes:
         key = axes.inset_axes((0.0, -0.035, 0.3, 0.018))
         draw_key(key, view.layer)
 
-    return _map(view, compose)
+    return _map(view, compose, below=KEY)
 
 
 def draw_one_flight(view: MapView, path: Floats) -> bytes:
@@ -112,25 +112,24 @@ def draw_growth(evaluation: Evaluation, bound: float, step_s: float | None, meas
     """PNG: how what is found grows, beside the bound."""
     return png(
         lambda figure: draw_curve(figure.add_axes((0.075, 0.17, 0.9, 0.7)), evaluation, bound, step_s, measure),
-        (WIDE + BESIDE, 3.1),
+        (WIDE + CLOCK, 3.1),
         DPI,
     )
 
 
-def _map(view: MapView, compose: object) -> bytes:
-    """A map in a figure of its own shape."""
+def _map(view: MapView, compose: Callable[[Axes], None], beside: float = EDGE, below: float = EDGE) -> bytes:
+    """A map in a figure of its own shape, with so many inches beside and below it."""
     cells = CellMap(view.grid)
     tall = min(max(cells.tall, 0.12), 6.0)
     width = min(WIDE, HIGH / tall)
     height = width * tall
-    size = (width + BESIDE + 0.3, height + BELOW + 0.15)
+    size = (EDGE + width + beside, below + height + EDGE)
 
     def drawn(figure: Figure) -> None:
-        axes = figure.add_axes((0.1 / size[0], BELOW / size[1], width / size[0], height / size[1]))
+        axes = figure.add_axes((EDGE / size[0], below / size[1], width / size[0], height / size[1]))
         cells.draw_layer(axes, view.layer)
         _draw_borders(axes, view.borders)
-        if callable(compose):
-            compose(axes)
+        compose(axes)
         if view.scaled:
             draw_scale(axes)
         _draw_north(axes)
@@ -146,9 +145,15 @@ def _width(axes: Axes, paths: Sequence[Floats]) -> float:
 
 
 def _draw_borders(axes: Axes, borders: Sequence[Floats]) -> None:
+    """Dashed, on a white halo, as they must be seen on dark ground too."""
     from matplotlib.collections import LineCollection
 
-    axes.add_collection(LineCollection(list(borders), colors=INK, linewidths=0.8, linestyles="dashed", zorder=2.5))
+    if not borders:
+        return
+    axes.add_collection(LineCollection(list(borders), colors="white", linewidths=2.2, alpha=0.8, zorder=2.4))
+    edge = LineCollection(list(borders), colors=END, linewidths=1.1, linestyles="dashed", zorder=2.5)
+    edge.set_label("edge of where it may fly")
+    axes.add_collection(edge)
 
 
 def _look_at(axes: Axes, path: Floats) -> None:
