@@ -56,7 +56,7 @@ def annealed(ground, level, routes, kind, temperature, rounds, seed):
             *(state.points, state.counts, state.seconds, state.effort, state.value),
             *(state.best_points, state.best_counts, state.best_value),
             *(ground.budgets, ground.ends, level.pays, STEPS, temperature, 1e-5, 60.0, weights, words),
-            *(level.poc, level.ground, level.sight, ground.pace, ground.walls),
+            *(level.poc, level.ground, level.sight, ground.paces, ground.walls),
         )
     return state
 
@@ -194,15 +194,23 @@ def test_it_flies_around_what_stands_between():
     assert best.value == pytest.approx(1.0)
 
 
+def test_drones_that_fly_at_different_speeds_each_keep_their_budget():
+    space, poc = Airspace(field), np.full((10, 10), 0.01)
+    fast = at((0.0, 0.0), (0.0, 0.0), space, poc, budget=120.0)
+    slow = LegMoves(space, Pace(4.0, 1.0), fast.searcher.moves.swath, (0.0, 0.0), (0.0, 0.0))
+    searchers = (*fast.searchers, Searcher((9, 0), 150.0, (9, 0), slow))
+    solution = solve(SearchProblem(fast.grid, fast.gains, searchers), quick, stop=max_ticks(40), seed=3)
+    flown = [each.moves.seconds(places_of(a)) for each, a in zip(searchers, solution.best.plan.actions, strict=True)]
+    assert flown[0] <= 120.0 + 1e-6
+    assert flown[1] <= 150.0 + 1e-6
+    assert solution.best.value > evaluate(fast, solve(fast, quick, stop=max_ticks(40)).best.plan).value
+
+
 def test_what_it_does_not_plan_it_refuses_with_a_sentence():
     space, poc = Airspace(field), np.full((10, 10), 0.01)
     one, two = at((0.0, 0.0), None, space, poc), at((0.0, 0.0), None, Airspace(field), poc)
     mixed = SearchProblem(one.grid, one.gains, (*one.searchers, *two.searchers))
     assert leg_searchers(mixed) == "it plans drones that share one airspace and one sensor"
-    slower = at((0.0, 0.0), None, space, poc, pace=Pace(5.0, 2.0)).searcher
-    like = LegMoves(space, slower.moves.pace, one.searcher.moves.swath, (0.0, 0.0))
-    unlike = SearchProblem(one.grid, one.gains, (*one.searchers, Searcher((0, 0), 50.0, moves=like)))
-    assert leg_searchers(unlike) == "it plans drones that fly alike"
     soon = SearchProblem(one.grid, one.gains, one.searchers, Objective(target=0.1))
     assert leg_searchers(soon) == "it plans for the most by the end, not for a target soonest"
     cells = SearchProblem(one.grid, one.gains, (Searcher((0, 0), 9),))

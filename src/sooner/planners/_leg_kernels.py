@@ -2,7 +2,8 @@
 
 routes : points (R, M, 2) float64, metres kept to the centimetre, home first; counts (R,) int64; seconds (R,) float64
 ground : (cell_m, height, width, east, north), the last two of the south-west cell's centre
-sight : (radius, law, strength (N,)); pace : `Pace.arrays()`; walls : `Airspace.walls`
+sight : (radius, law, strength (N,)); walls : `Airspace.walls`
+paces : limits of each route (R, 7), heights, cell_m, as `Pace.arrays()` has them
 effort : (N,) float64, what all legs put on each cell; poc : (N,) float64
 change : (8,) int64, what is proposed: points between i and j of a route give way to m new ones, and likewise of another
 route (or -1): route, i, j, m, other, i, j, m; new, new_other : (M, 2) float64, those points
@@ -25,6 +26,14 @@ SHIFT, LANE, INSERT, REMOVE, SWAP, REVERSE, MOVE, TAILS = 0, 1, 2, 3, 4, 5, 6, 7
 ROUTE, FROM, TO, NEW, OTHER, FROM2, TO2, NEW2 = 0, 1, 2, 3, 4, 5, 6, 7
 LONGEST = 30  # points of a stretch that is reversed
 NOTES = 1 << 16  # looks at cells that are noted in one change, more on larger maps; a change of more is not made
+
+
+@njit(cache=True, nogil=True)
+def flown_s(x0, y0, x1, y1, r, paces):
+    """Seconds along a leg of route r."""
+    limits, heights, cell_m = paces
+    speed, accel, airspeed, east, north, climb, descent = limits[r]
+    return leg_s(x0, y0, x1, y1, speed, accel, airspeed, east, north, climb, descent, heights, cell_m)
 
 
 @njit(cache=True, nogil=True)
@@ -69,7 +78,7 @@ def unput(effort, cells, worth, begin, top):
 
 
 @njit(cache=True, nogil=True)
-def load(points, counts, seconds, effort, poc, ground, sight, pace, cells, worth, at):
+def load(points, counts, seconds, effort, poc, ground, sight, paces, cells, worth, at):
     """Work out effort and seconds anew; answers the value."""
     effort[:] = 0.0
     value = 0.0
@@ -78,23 +87,23 @@ def load(points, counts, seconds, effort, poc, ground, sight, pace, cells, worth
         for k in range(max(counts[r] - 1, 1)):
             j = min(k + 1, counts[r] - 1)
             x0, y0, x1, y1 = points[r, k, 0], points[r, k, 1], points[r, j, 0], points[r, j, 1]
-            seconds[r] += leg_s(x0, y0, x1, y1, *pace)
+            seconds[r] += flown_s(x0, y0, x1, y1, r, paces)
             value += put(x0, y0, x1, y1, 1.0, effort, poc, ground, sight, cells, worth, at, 0)[0]
     return value
 
 
 @njit(cache=True, nogil=True)
-def longer_by(points, count, r, i, j, new, m, pace):
+def longer_by(points, count, r, i, j, new, m, paces):
     """Seconds by which route r grows where `new[:m]` come between i and j."""
     longer = 0.0
     for k in range(i, min(j, count - 1)):
-        longer -= leg_s(points[r, k, 0], points[r, k, 1], points[r, k + 1, 0], points[r, k + 1, 1], *pace)
+        longer -= flown_s(points[r, k, 0], points[r, k, 1], points[r, k + 1, 0], points[r, k + 1, 1], r, paces)
     x, y = points[r, i, 0], points[r, i, 1]
     for k in range(m + 1):
         if k == m and j == count:
             break
         nx, ny = (new[k, 0], new[k, 1]) if k < m else (points[r, j, 0], points[r, j, 1])
-        longer += leg_s(x, y, nx, ny, *pace)
+        longer += flown_s(x, y, nx, ny, r, paces)
         x, y = nx, ny
     return longer
 
@@ -131,7 +140,7 @@ def spliced(points, counts, r, i, j, new, m):
 
 @njit(cache=True, nogil=True)
 def replace(
-    points, counts, seconds, effort, r, i, j, new, m, limit, poc, ground, sight, pace, walls, cells, worth, at, top
+    points, counts, seconds, effort, r, i, j, new, m, limit, poc, ground, sight, paces, walls, cells, worth, at, top
 ):
     """Put `new[:m]` in place of the points between i and j of route r; j = counts[r] stands for the open end.
 
@@ -142,7 +151,7 @@ def replace(
     after = count + m - (j - i - 1)
     if after > points.shape[1] or after < 2:
         return 0.0, 0.0, -1
-    longer = longer_by(points, count, r, i, j, new, m, pace)
+    longer = longer_by(points, count, r, i, j, new, m, paces)
     if not seconds[r] + longer <= limit or not all_clear(points, count, r, i, j, new, m, walls):
         return 0.0, 0.0, -1
     begin, value = top, 0.0
@@ -363,7 +372,7 @@ def taken(points, r, i, j, kept_points):
 @njit(cache=True, nogil=True)
 def anneal(
     points, counts, seconds, effort, value, best_points, best_counts, best_value,
-    budgets, ends, pays, steps, temperature, price, reach, weights, words, poc, ground, sight, pace, walls,
+    budgets, ends, pays, steps, temperature, price, reach, weights, words, poc, ground, sight, paces, walls,
 ):  # fmt: skip
     """Change routes `steps` times at one temperature; answers value and best value. Effort and routes change in place.
 
@@ -393,7 +402,7 @@ def anneal(
             gone2 = taken(points, other, i2, j2, old_other)
             won2, late2, top = replace(
                 points, counts, seconds, effort, other, i2, j2, new_other, m2,
-                budgets[other], poc, ground, sight, pace, walls, cells, worth, at, 0,
+                budgets[other], poc, ground, sight, paces, walls, cells, worth, at, 0,
             )  # fmt: skip
             if top < 0:
                 continue
@@ -403,7 +412,7 @@ def anneal(
         gone = taken(points, r, i, j, old)
         won, late, top = replace(
             points, counts, seconds, effort, r, i, j, new, m,
-            budgets[r], poc, ground, sight, pace, walls, cells, worth, at, first,
+            budgets[r], poc, ground, sight, paces, walls, cells, worth, at, first,
         )  # fmt: skip
         gained = won + won2 - price * (late + late2)
         if top >= 0 and (gained >= 0.0 or uniform(words) < math.exp(gained / temperature)):

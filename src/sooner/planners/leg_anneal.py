@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.random import Generator
@@ -27,12 +26,14 @@ __all__ = ["LegAnneal"]
 
 @dataclass(frozen=True)
 class LegAnneal:
-    """Anneal the routes of all sorties together.
+    """Anneal the routes of all sorties together: several sets of them at first, then the better half, and so forth.
 
     Temperatures are shares of what a point of the first routes collects on average.
 
     Parameters
     ----------
+    starts : int                sets of routes at first, the best of the first ones
+    halvings : ((share, n))     from this share of a round on, only the best n sets go on
     hot, cold : float           temperature at the beginning and the end of a round
     price : float               of a second, as a share of what a second collects on average
     reach : (float, float)      metres by which points are shifted, in sensor radii, at first and at last
@@ -44,7 +45,9 @@ class LegAnneal:
     threads : int               sets of routes annealed at the same time
     """
 
-    hot: float = 0.3
+    starts: int = 4
+    halvings: tuple[tuple[float, int], ...] = ((0.15, 2),)
+    hot: float = 0.05
     cold: float = 0.003
     price: float = 0.2
     reach: tuple[float, float] = (1.5, 0.3)
@@ -75,15 +78,32 @@ class LegAnneal:
             while True:
                 rounds = rounds.begun(share)
                 starts.sort(key=lambda each: each.best_value, reverse=True)
-                chains = [_Chain(self, ground, each.best, rng) for each in starts[: self.threads]]
+                chains = [_Chain(self, ground, each.best, rng) for each in starts[: self.starts]]
                 while (now := rounds.now(share)) < 1.0:
-                    list(pool.map(partial(_Chain.run, now=now), chains))
+                    self._halve(chains, now)
+                    self._anneal(chains, now, pool)
                     for chain in chains:
                         best.offer(chain.routes)
                     share = yield best.incumbent
                     rounds.tick += 1
                 kept = (best.routes, *(chain.routes.best for chain in chains))
                 starts = [Routes(ground, each, ground.coarse) for each in kept]
+
+    def _halve(self, chains: list[_Chain], now: float) -> None:
+        """Let the better sets of routes go on."""
+        keep = min((max(n, self.threads) for share, n in self.halvings if now >= share), default=len(chains))
+        if keep < len(chains):
+            chains.sort(key=lambda chain: chain.routes.best_value, reverse=True)
+            del chains[keep:]
+
+    def _anneal(self, chains: list[_Chain], now: float, pool: ThreadPoolExecutor) -> None:
+        """One tick: every thread makes the same number of changes, shared among its sets of routes."""
+
+        def run(own: list[_Chain]) -> None:
+            for chain in own:
+                chain.run(now, self.moves // len(own))
+
+        list(pool.map(run, [own for k in range(self.threads) if (own := chains[k :: self.threads])]))
 
 
 class _Best:
@@ -118,8 +138,8 @@ class _Chain:
         self.price = settings.price * value / max(float(self.routes.seconds.sum()), 1.0)
         self.weights = np.cumsum(settings.mix)
 
-    def run(self, now: float) -> None:
-        """One tick, so far into the round."""
+    def run(self, now: float, moves: int) -> None:
+        """So many changes, so far into the round."""
         settings, ground = self.settings, self.ground
         if now >= settings.coarse and self.routes.level is not ground.fine:
             self.routes = Routes(ground, self.routes.best, ground.fine)
@@ -131,7 +151,7 @@ class _Chain:
         routes.value, routes.best_value = kernels.anneal(
             routes.points, routes.counts, routes.seconds, routes.effort, routes.value,
             routes.best_points, routes.best_counts, routes.best_value,
-            ground.budgets, ground.ends, level.pays, settings.moves, hot * (cold / hot) ** now,
+            ground.budgets, ground.ends, level.pays, moves, hot * (cold / hot) ** now,
             self.price * (1.0 - now), reach, self.weights, self.words,
-            level.poc, level.ground, level.sight, ground.pace, ground.walls,
+            level.poc, level.ground, level.sight, ground.paces, ground.walls,
         )  # fmt: skip

@@ -38,16 +38,16 @@ def leg_searchers(problem: SearchProblem) -> str | None:
         assert isinstance(each, LegMoves)
         if each.airspace is not first.airspace or each.swath is not first.swath:
             return "it plans drones that share one airspace and one sensor"
-        if not _alike(each.pace, first.pace):
-            return "it plans drones that fly alike"
+        if _over_terrain(each.pace) and _over_terrain(first.pace) and each.pace.terrain is not first.pace.terrain:
+            return "it plans drones over one terrain"
     if problem.gains.table.shape[1] != 1 or not np.allclose(problem.gains.ratio, np.exp(-1.0)):
         return "it plans gains of effort (`effort_gains`)"
     return None
 
 
-def _alike(one: Pace, other: Pace) -> bool:
-    pairs = zip(map(np.asarray, one.arrays()), map(np.asarray, other.arrays()), strict=True)
-    return all(np.array_equal(here, there) for here, there in pairs)
+def _over_terrain(pace: Pace) -> bool:
+    """Whether slopes matter to how fast legs are flown."""
+    return bool(pace.arrays()[7].size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,10 +119,12 @@ class LegGround:
         """(N,) float: what all effort on a cell would pay."""
         return np.ascontiguousarray(self.problem.gains.first / -np.expm1(-1.0))
 
-    @property
-    def pace(self) -> tuple[Any, ...]:
-        """Of the first searcher; all fly alike."""
-        return self.moves[0].pace.arrays()
+    @cached_property
+    def paces(self) -> tuple[Any, ...]:
+        """How fast each searcher flies, as the kernels take it."""
+        told = [each.pace.arrays() for each in self.moves]
+        heights, cell_m = max(((each[7], each[8]) for each in told), key=lambda over: over[0].size)
+        return np.array([each[:7] for each in told], np.float64), heights, cell_m
 
     @property
     def walls(self) -> NDArray[np.float64]:
@@ -141,19 +143,17 @@ class LegGround:
 
     @cached_property
     def within_reach(self) -> NDArray[np.bool_]:
-        """(N,) bool: cells that pay, and can be flown over by some searcher in time."""
+        """(N,) bool: cells that pay, and that some searcher could fly over in time if its ways were straight."""
         centres = self.problem.grid.centres_m
         space = self.moves[0].airspace
         found = np.zeros(self.problem.grid.n_cells, bool)
         sensible = np.flatnonzero((self.poc > 0) & (self.moves[0].swath.strength > 0))
         sensible = sensible[space.sees(centres[sensible])]
-        for home, end, budget, pace in {
-            (each.home, each.end, float(one.budget), each.pace)
-            for each, one in zip(self.moves, self.problem.searchers, strict=True)
-        }:
-            far = space.metres_from(home, centres[sensible])
-            back = 0.0 if end is None else far if end == home else space.metres_from(end, centres[sensible])
-            found[sensible[(far + back) / _fastest(pace) <= budget]] = True
+        for one, each in zip(self.problem.searchers, self.moves, strict=True):
+            far = np.hypot(*(centres[sensible] - each.home).T)
+            back = 0.0 if each.end is None else np.hypot(*(centres[sensible] - each.end).T)
+            near = (far + back) / each.pace.speed_mps <= one.budget
+            found[sensible[near]] |= space.joined(each.home, centres[sensible[near]])
         return found
 
     def reaches(self, number: int, places: Route) -> NDArray[np.bool_]:
@@ -245,7 +245,7 @@ class Routes:
         return float(
             kernels.load(
                 *(self.points, self.counts, self.seconds, self.effort, level.poc, level.ground, level.sight),
-                *(self.ground.pace, *self._scratch),
+                *(self.ground.paces, *self._scratch),
             )
         )
 
@@ -253,8 +253,3 @@ class Routes:
     def best(self) -> list[Route]:
         """The best routes so far."""
         return [kept[:count].copy() for kept, count in zip(self.best_points, self.best_counts, strict=True)]
-
-
-def _fastest(pace: Any) -> float:
-    """Most metres a second over the ground, with the wind behind."""
-    return float(pace.speed_mps)

@@ -19,6 +19,7 @@ from sooner.problem.leg_moves import place_numbers, places_of
 
 __all__ = ["first_routes", "lane_routes", "lattice_routes"]
 
+WIDER = 1.35  # lanes that leave gaps, or overlap less, for time that is short
 HALVINGS = 12  # of the share of the ground that lanes cover
 LATTICE_TICKS = 24  # of the walk over a lattice
 MOST_LATTICE = 40_000  # nodes
@@ -192,11 +193,14 @@ def _corners(points: Route) -> Route:
 def first_routes(ground: LegGround, rng: Generator) -> Iterator[list[Route]]:
     """One set of first routes after another, the quickest to find first."""
     width = max(ground.moves[0].swath.width_m, ground.problem.grid.cell_m)
-    for angle in (0.0, pi / 2, pi / 4, 3 * pi / 4):
-        yield lane_routes(ground, angle, width)
+    for apart in (width, WIDER * width):
+        for angle in (0.0, pi / 2, pi / 4, 3 * pi / 4):
+            yield lane_routes(ground, angle, apart)
     for apart, sense in ((width, 1.0), (width, -1.0), (OVERLAPPED * width, 1.0)):
         spirals = spiral_routes(ground, apart, sense)
         if spirals is not None:
             yield spirals
+    if max(each.pace.speed_mps**2 / each.pace.accel_mps2 for each in ground.moves) > width / 2:
+        return  # at every corner a drone loses more than it sees between two of them
     for angle in (0.0, pi / 4):
         yield lattice_routes(ground, angle, width, rng)
