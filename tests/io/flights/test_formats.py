@@ -11,7 +11,9 @@ from hypothesis import given, settings
 
 from sooner.errors import UnsupportedProblemError
 from sooner.io.flights import DJI_MODELS, FORMATS, Aircraft
+from sooner.missions.flight_plans import flights
 from tests.io.flights.plans import HOSTILE, RIDGE, UNSAYABLE, flight_plans, named
+from tests.missions.leg_missions import leg_mission, there_and_back
 
 NEAR = 1e-7  # degrees; MAVLink tells no finer
 KML = "{http://www.opengis.net/kml/2.2}"
@@ -243,3 +245,16 @@ def test_dji_flies_straight_stops_in_corners_and_hovers_where_the_plan_holds():
 def test_what_dji_cannot_fly_is_refused(wrong, told):
     with pytest.raises(UnsupportedProblemError, match=told):
         written("dji", replace(RIDGE, **wrong))
+
+
+def test_dji_passes_what_lies_straight_ahead_and_stops_in_corners(tmp_path):
+    score = there_and_back(leg_mission(tmp_path, 1, 1, True), [[200, 900], [800, 900], [800, 100]])
+    (plan,) = flights(score).plans
+    with zipfile.ZipFile(io.BytesIO(written("dji", plan))) as archive:
+        parts = [archive.read(f"wpmz/{name}").decode() for name in ("waylines.wpml", "template.kml")]
+    corners = len(score.plan.actions[0])
+    assert sum(plan.passed) == len(plan.waypoints) - corners > 5
+    for part in parts:
+        assert part.count("toPointAndPassWithContinuityCurvature") == sum(plan.passed)
+    assert parts[0].count("toPointAndStopWithDiscontinuityCurvature") == corners
+    assert parts[1].count("<wpml:useGlobalTurnParam>0<") == sum(plan.passed)

@@ -19,12 +19,15 @@ WRITTEN_MS = 1_577_836_800_000  # 2020-01-01: the same file each time
 WRITTEN = (2020, 1, 1, 0, 0, 0)
 FINISH = {"return": "goHome", "land": "autoLand", "loiter": "noAction"}
 STOP = "toPointAndStopWithDiscontinuityCurvature"  # straight to the point, and stop there
+PASS = "toPointAndPassWithContinuityCurvature"  # on through it: where the line goes straight on
 MOST_M, MOST_POINTS = 1_500.0, 65_536
 LEAST_M, TRANSIT_MPS = 1.2, (1.0, 15.0)  # least height of a take-off; speeds on the way to the first waypoint
 
 
 def dji_kmz(plan: FlightPlan, aircraft: Aircraft) -> bytes:
     """The file that DJI Pilot 2 and FlightHub 2 import: the aircraft flies straight lines, and stops in every corner.
+
+    Waypoints that lie straight ahead, where only the height or the speed changes, are passed without a stop.
 
     Raises
     ------
@@ -146,8 +149,11 @@ def _shown(plan: FlightPlan, index: int) -> str:
     height = _number(each.altitude_m)
     told = {"ellipsoidHeight": height, "height": height, "useGlobalHeight": 0}
     told |= {"useGlobalSpeed": 0, "waypointSpeed": _speed(plan, index), "useGlobalHeadingParam": 1}
-    told |= {"useGlobalTurnParam": 1, "useStraightLine": 1}
-    return branch("Placemark", [*_point(each, index), *map(_wpml, told, told.values()), *_hover(each, index)])
+    on = plan.passed[index]
+    told |= {"useGlobalTurnParam": int(not on)}
+    turn = [_turn(plan, index)] if on else []
+    parts = [*map(_wpml, told, told.values()), *turn, _wpml("useStraightLine", 1)]
+    return branch("Placemark", [*_point(each, index), *parts, *_hover(each, index)])
 
 
 def _flown(plan: FlightPlan, index: int) -> str:
@@ -158,10 +164,15 @@ def _flown(plan: FlightPlan, index: int) -> str:
         _wpml("executeHeight", _number(each.altitude_m)),
         _wpml("waypointSpeed", _speed(plan, index)),
         _told("waypointHeadingParam", _heading()),
-        _told("waypointTurnParam", {"waypointTurnMode": STOP, "waypointTurnDampingDist": 0}),
+        _turn(plan, index),
         _wpml("useStraightLine", 1),
     ]
     return branch("Placemark", [*parts, *_hover(each, index)])
+
+
+def _turn(plan: FlightPlan, index: int) -> str:
+    mode = PASS if plan.passed[index] else STOP
+    return _told("waypointTurnParam", {"waypointTurnMode": mode, "waypointTurnDampingDist": 0})
 
 
 def _hover(each: Waypoint, index: int) -> list[str]:

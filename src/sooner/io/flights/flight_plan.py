@@ -20,6 +20,7 @@ Finish = Literal["return", "land", "loiter"]
 
 MOST_LAT = 89.9  # nearer to a pole longitudes mean little, and the maps of ground stations have ended
 HALF_WAY = 180.0  # degrees of longitude between two places: the line between them would go round the wrong way
+STRAIGHT_RAD = 0.002  # a turn below this is none: what degrees and projections bend a straight line by is less
 MOST_M, MOST_MPS, MOST_HOLD_S = 10_000.0, 1_000.0, 86_400.0
 
 
@@ -165,6 +166,25 @@ class FlightPlan:
         heights = [each.altitude_m for each in self.waypoints]
         low, high = min(heights), max(heights)
         return f"{low:g} m above home" if low == high else f"{low:.0f} to {high:.0f} m above home"
+
+    @property
+    def passed(self) -> tuple[bool, ...]:
+        """Whether each waypoint is passed without a stop: between two others, straight ahead, and not held.
+
+        >>> line = [Waypoint(46.0 + k * 0.001, 11.0, 60.0 + k) for k in range(3)]
+        >>> FlightPlan("ridge", 0, (46.0, 11.0), (*line, Waypoint(46.002, 11.002, 60.0))).passed
+        (False, True, False, False)
+        """
+        lat, lon = np.array(self.places).T
+        north, east = np.diff(lat), np.diff(lon) * np.cos(np.radians(lat[:-1] + lat[1:]) / 2)
+        turned = east[:-1] * north[1:] - north[:-1] * east[1:]
+        ahead = east[:-1] * east[1:] + north[:-1] * north[1:]
+        straight = np.abs(np.arctan2(turned, ahead)) < STRAIGHT_RAD
+        moved = np.hypot(north, east) > 0
+        kept = straight & moved[:-1] & moved[1:]
+        waits = [each.hold_s > 0 for each in self.waypoints[1:-1]]
+        between = [bool(on) and not wait for on, wait in zip(kept, waits, strict=True)]
+        return (False, *between, False)[: len(self.waypoints)]
 
     @property
     def speeds(self) -> Iterator[float | None]:
