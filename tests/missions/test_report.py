@@ -3,6 +3,7 @@
 import base64
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,8 +14,9 @@ from sooner.io.georeference import ground_m
 from sooner.missions import read_mission, score_plan
 from sooner.missions.flight_plans import flights
 from sooner.missions.report import make_report
+from sooner.missions.report.compared import patterns
 from sooner.missions.report.places import richest
-from sooner.planners import max_ticks, solve
+from sooner.planners import Status, max_ticks, solve
 from sooner.planners.registry import make_planner
 from sooner.problem import Plan, evaluate
 from tests.georeferenced import greedily, hills, located, over_cells, over_regions, rocks
@@ -222,6 +224,38 @@ def test_a_large_map_and_a_long_flight_make_no_large_file(tmp_path):
     content = make_report(score_plan(read_mission(path), Plan((rows * 600 + cols,))), 0.1).html()
     read_page(content)
     assert len(content) < 1_000_000
+
+
+@pytest.mark.parametrize(
+    ("sensor", "more", "told"),
+    [
+        (
+            "detect = 0.8\nfalse_alarm = 0.1",
+            "",
+            ["finds, as expected", "targets are still on", "says yes where"],
+        ),
+        ('model = "beta"', '[objective]\nkind = "information"\n', ["learns", "still to learn", "Targets come and go"]),
+    ],
+)
+def test_what_is_searched_for_is_called_by_its_name(tmp_path, sensor, more, told):
+    text = small_mission((1, 1), 8).replace('poc = "poc.csv"\ncell_m = 24.0', 'evidence = "theta.csv"')
+    text = text.replace("glimpse = 0.5", sensor).replace("speed_mps = 12.0\n", "") + more
+    theta = "0.5,0.5,0.2,0.3\n0.5,0.5,0.97,0.5\n0.1,0.9,0.5,0.5\n"
+    score = greedily(read_mission(written(tmp_path, text, theta_csv=theta)))
+    shown = read_page(make_report(score, 0.1).html()).text
+    assert all(each in shown for each in [*told, "the mission says no speed", "cells from the middle", "8 steps"])
+    assert "the person" not in shown
+
+
+def test_who_presses_ctrl_c_gets_no_report(reports, monkeypatch):
+    mission = reports("legs")[0].score.mission
+
+    def interrupted(*_, **__):
+        return replace(solve(mission.problem, make_planner("sector"), stop=max_ticks(1)), status=Status.INTERRUPTED)
+
+    monkeypatch.setattr("sooner.missions.report.compared.solve", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        patterns(mission, 1.0)
 
 
 def test_the_same_report_is_the_same_page(reports):

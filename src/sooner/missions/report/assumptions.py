@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from sooner.belief import BetaGrid
 from sooner.missions.mission_file import Mission
 from sooner.missions.report.words import metres, percent
 from sooner.missions.settings import Drawing, NoFlyCircle, Segments
@@ -23,7 +24,7 @@ LAWS = {
 def assumptions(mission: Mission) -> list[tuple[str, list[str]]]:
     """Headings, and the sentences that belong to each."""
     found = [
-        ("Where the person may be", list(_prior(mission))),
+        (f"Where {'targets' if mission.belief is None else 'the person'} may be", list(_prior(mission))),
         ("What a look detects", list(_sensor(mission))),
         ("How time is counted", list(_time(mission))),
         ("Where drones may fly", list(_airspace(mission))),
@@ -50,7 +51,12 @@ def _prior(mission: Mission) -> Iterator[str]:
     yield f"The map has {height_width[0]} x {height_width[1]} cells{side}. Within a cell every place is alike."
     if mission.belief is not None:
         yield f"With probability {percent(mission.belief.outside)} the person is not on this map: no flight finds that."
-    yield "The person stays where they are during the search, and looks at different places miss independently."
+    if isinstance(mission.sight.known, BetaGrid):
+        yield "Targets come and go: the evidence is how often one is in view, which looks teach."
+    elif mission.belief is None:
+        yield "Targets stay where they are, each cell has one or none, and looks err independently of each other."
+    else:
+        yield "The person stays where they are during the search, and looks at different places miss independently."
 
 
 def _sensor(mission: Mission) -> Iterator[str]:
@@ -65,7 +71,7 @@ def _sensor(mission: Mission) -> Iterator[str]:
     elif sensor.camera is None:
         yield "A look covers the cell below the drone, and nothing beside it."
     glimpse = mission.glimpse
-    if not mission.over_legs:
+    if not mission.over_legs and not isinstance(mission.sight.known, BetaGrid):
         low, high = float(glimpse.min()), float(glimpse.max())
         told = percent(low) if low == high else f"{percent(low)} to {percent(high)}, by place"
         yield f"One look detects who is there with probability {told}."

@@ -41,6 +41,10 @@ def patterns(mission: Mission, seconds: float) -> tuple[Pattern, ...]:
     Parameters
     ----------
     seconds : float         for all of them together; each is drawn in one way at least
+
+    Raises
+    ------
+    KeyboardInterrupt       also where a planner by itself would answer it with its best plan so far
     """
     if not mission.over_legs:
         return ()
@@ -55,5 +59,7 @@ def _flown(mission: Mission, name: str, seconds: float) -> Iterator[Pattern]:
         solution = solve(mission.problem, make_planner(name), stop=max_seconds(seconds))
     except (UnsupportedProblemError, InfeasibleProblemError):
         return
+    if solution.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt  # whoever presses Ctrl-C wants no report, and not the next pattern either
     value = evaluate(mission.problem, solution.best.plan).total
     yield Pattern(name, value, solution.status is Status.STOPPED)

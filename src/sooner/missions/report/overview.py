@@ -14,6 +14,11 @@ from sooner.missions.report.words import amount, coordinates, metres, percent, w
 __all__ = ["overview"]
 
 TOLD = (0.25, 0.5, 0.75, 0.9)  # CDPs whose times are told
+LEAVES = {
+    "probability": "If nobody is found, {} is still on the map.",
+    "bits": "After it there are {} still to learn.",
+    "targets": "After it, as expected, {} are still on the map.",
+}
 DOES = {"probability": "finds the person with probability", "bits": "learns", "targets": "finds, as expected"}
 
 
@@ -98,7 +103,7 @@ def _left(report: Report, pictures: Pictures) -> Iterator[Html]:
     score, mission, unit = report.score, report.score.mission, report.score.mission.sight.unit
     yield element("h2", "What remains, and where")
     total = float(score.left[mission.problem.grid.passable].sum())
-    yield element("p", f"If nobody is found, {amount(unit, total)} is still on the map. The richest places left:")
+    yield element("p", LEAVES[unit].format(amount(unit, total)) + " The richest places left:")
     yield picture(pictures.left(), "What the plan leaves; the richest places are framed and lettered.")
     if not report.places:
         yield element("p", "Nothing worth telling is left on the map.")

@@ -35,7 +35,7 @@ def pilot_page(report: Report, sheet: Sheet, which: tuple[int, int], pictures: P
         element("p", f"{mission.name}, sheet {which[0]} of {which[1]}", class_="running"),
         element("h2", "Pilot: ", sheet.name),
         facts(_facts(sheet, mission.cell_m is not None)),
-        bullets(_notes(sheet), class_="notes"),
+        bullets(_notes(sheet, mission.cell_m is not None), class_="notes"),
         picture(pictures.one(sheet), "The flight with its places numbered as in the table below."),
         _blanks(),
         element("h3", "Places and legs"),
@@ -84,9 +84,9 @@ def _in_the_air(sheet: Sheet) -> Iterator[tuple[str, object]]:
         yield "reserve", f"{clock(vehicle.reserve_s)} of it, which no plan uses"
 
 
-def _notes(sheet: Sheet) -> list[str]:
+def _notes(sheet: Sheet, scaled: bool) -> list[str]:
     if sheet.flight is None:
-        return ["East and north are metres on the map from the middle of its south-west cell."]
+        return [f"East and north are {'metres' if scaled else 'cells'} from the middle of the map's south-west cell."]
     return [*sheet.notes, "Fly the exported file; this sheet is to check it, and to fly on when it fails."]
 
 

@@ -103,4 +103,4 @@ def _flights(score: Score) -> tuple[Flights | None, tuple[str, ...]]:
         return flights(score), ()
     except DataFormatError as error:
         fault = error.faults[0]
-        return None, (f"sheets tell metres on the map, no latitudes and longitudes: {fault.came} ({fault.key})",)
+        return None, (f"sheets have no latitudes and longitudes: {fault.came} ({fault.key})",)
