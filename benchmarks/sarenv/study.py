@@ -1,6 +1,6 @@
 """Planners on SAREnv's scenarios, by its measure and by what they truly sweep.
 
-    python benchmarks/sarenv/study.py --data $SOONER_DATA/sarenv [--only router cells] [--seeds 3] [--seconds 10]
+    python benchmarks/sarenv/study.py --data $SOONER_DATA/sarenv [--only router cells legs] [--seeds 3] [--seconds 10]
     python benchmarks/sarenv/study.py --data $SOONER_DATA/sarenv --table
 
 Goes on where sarenv.csv stops. Every way of ours begins and ends in the centre, its return within the budget; SAREnv's
@@ -14,11 +14,13 @@ import csv
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from statistics import median
 
 import numpy as np
 from cells import walk
+from legs import fly as fly_legs
 from numpy.typing import NDArray
 from patterns import PATTERNS
 from router import route
@@ -39,8 +41,11 @@ Key = tuple[str, ...]
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", type=Path, required=True, help="folder of sarenv_02.json and the others")
-    parser.add_argument("--only", nargs="*", default=["patterns", *PLANNERS], help="patterns router cells")
+    parser.add_argument(
+        "--only", nargs="*", default=["patterns", *PLANNERS], help="patterns router cells legs legs-edged"
+    )
     parser.add_argument("--pitches", nargs="*", default=["true", "90"], help="metres, or true for twice the radius")
+    parser.add_argument("--rows", type=int, nargs="*", default=[0, 7], help="of cells across the swath, for legs")
     parser.add_argument("--drones", type=int, nargs="*", default=[1, 3, 5])
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--seeds", type=int, default=3)
@@ -65,17 +70,33 @@ def rows(scenario: Sarenv, drones: int, metres: float, given: argparse.Namespace
             fly = lambda pattern=pattern, more=more: pattern(scenario, drones, metres, **more)  # noqa: E731
             yield from _row(scenario, drones, metres, name, ("", "", str(seed)), fly)
     for name, planner in PLANNERS.items():
-        for pitch in given.pitches if name in given.only else ():
-            pitch_m = 2 * scenario.radius_m if pitch == "true" else float(pitch)
+        for cut, told in _cuts(scenario, name, given) if name in given.only else ():
             for seed in range(given.seeds):
-                fly = lambda planner=planner, pitch_m=pitch_m, seed=seed: planner(  # noqa: E731
-                    scenario, drones, metres, pitch_m, given.seconds, seed
+                fly = lambda planner=planner, cut=cut, seed=seed: planner(  # noqa: E731
+                    scenario, drones, metres, cut, given.seconds, seed
                 )
-                how = (f"{pitch_m:.2f}", f"{given.seconds:g}", str(seed))
+                how = (told, f"{given.seconds:g}", str(seed))
                 yield from _row(scenario, drones, metres, name, how, fly)
 
 
-PLANNERS: dict[str, Callable[..., Ways]] = {"router": route, "cells": walk}
+PLANNERS: dict[str, Callable[..., Ways]] = {
+    "router": route,
+    "cells": walk,
+    "legs": fly_legs,
+    "legs-edged": partial(fly_legs, law="edged"),
+}
+
+
+def _cuts(scenario: Sarenv, name: str, given: argparse.Namespace) -> Iterator[tuple[float, str]]:
+    """What a planner sees of the ground, and the metres between its nodes or cells."""
+    across = 2 * scenario.radius_m
+    if name.startswith("legs"):
+        for rows in given.rows:
+            yield rows, f"{across / rows if rows else scenario.cell_m:.2f}"
+        return
+    for pitch in given.pitches:
+        pitch_m = across if pitch == "true" else float(pitch)
+        yield pitch_m, f"{pitch_m:.2f}"
 
 
 def _row(
