@@ -21,6 +21,7 @@ BLANKS = (
     ("Radio channel", "Post, phone"),
     ("Rescue, phone", "Land else at"),
 )
+ABOUT_PLACES = "Degrees of WGS 84; bearings from true north; time since the first place; height above the launch; speed on the way."
 ENDS = {
     "return": "flies back to where it took off, and lands there",
     "land": "lands at the last place",
@@ -100,7 +101,7 @@ def _legs(sheet: Sheet, scaled: bool) -> Html:
         flown += stop.leg_m
         rows.append([*_row(number, stop, flown, scaled), *(_aloft(stop) if placed else [])])
     more = len(sheet.stops) - MOST_ROWS
-    told = "Bearings from true north; time since the first place; height above the launch." if placed else ""
+    told = ABOUT_PLACES if placed else ""
     return table(head, rows, told + (f" {more:,} more places stand in the exported file." if more > 0 else ""))
 
 
