@@ -9,10 +9,12 @@ import rasterio
 import rasterio.warp
 import shapely
 
+from sooner.errors import DataFormatError
 from sooner.io.flights.aircraft import Aircraft
 from sooner.io.flights.qgroundcontrol import qgroundcontrol_plan
 from sooner.missions import score_plan
 from sooner.missions.chances import chances
+from sooner.missions.exported import export
 from sooner.missions.flight_plans import flights
 from sooner.motion import Terrain
 from sooner.problem import Plan
@@ -241,6 +243,21 @@ def test_a_plan_without_an_end_flies_home_round_what_is_forbidden(tmp_path):
     assert plan.finish == "return"
     assert moves.airspace.holds(line)
     assert any("does not count the" in note for note in told.notes)
+
+
+def test_a_sortie_that_stays_on_the_ground_has_no_file_and_nobody_waits_for_it(tmp_path):
+    score = there_and_back(leg_mission(tmp_path, 2, 2), ROUND)
+    still = score.plan.actions[0][:1]
+    idle = score_plan(score.mission, Plan((score.plan.actions[0], still, still, score.plan.actions[3])))
+    made = export(idle, ["qgc", "dji", "kml", "geotiff"])
+    assert [plan.stays for plan in made.flights.plans] == [False, True, True, False]
+    assert sorted(made.files) == sorted(made.formats)
+    assert [name for name in made.files if name.endswith(".plan")] == ["flight-0.plan", "flight-3.plan"]
+    assert [plan.departs_s for plan in made.flights.plans][3] == pytest.approx(1260.0)
+    assert sum("on the ground" in note for note in made.flights.notes) == 2
+    nobody = score_plan(score.mission, Plan((still, still, still, still)))
+    with pytest.raises(DataFormatError, match="a plan that goes nowhere came"):
+        export(nobody, ["qgc"])
 
 
 # ---------------------------------------------------------------- fences

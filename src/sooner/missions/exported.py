@@ -69,6 +69,7 @@ def _told(plan: FlightPlan) -> dict[str, Any]:
         "speed_mps": plan.speed_mps,
         "finish": plan.finish,
         "fences": len(plan.fences),
+        "stays": plan.stays,
     }
 
 
@@ -127,13 +128,15 @@ def export(score: Score, formats: Sequence[str], autopilot: str | None = None, d
     mission = score.mission
     aircraft = [_aircraft(mission, number, autopilot, dji) for number in range(len(score.plan.actions))]
     told = flights(score)
+    if all(plan.stays for plan in told.plans):
+        raise DataFormatError(Fault(str(mission.path), "", "a plan that goes nowhere came", "expected one that flies"))
     named = file_names(mission, formats)
     files: dict[str, bytes] = {}
     for name in formats:
         of_this = [file for file, known in named.items() if known == name]
         made = _maps(score) if name == MAPS else _written(name, told.plans, aircraft)
-        files |= dict(zip(of_this, made, strict=True))
-    return Exported(files, named, told)
+        files |= {file: content for file, content in zip(of_this, made, strict=True) if content is not None}
+    return Exported(files, {file: known for file, known in named.items() if file in files}, told)
 
 
 def _aircraft(mission: Mission, number: int, autopilot: str | None, dji: str | None) -> Aircraft:
@@ -143,14 +146,16 @@ def _aircraft(mission: Mission, number: int, autopilot: str | None, dji: str | N
     return Aircraft(autopilot or own.autopilot, dji or own.dji)
 
 
-def _written(name: str, plans: Sequence[FlightPlan], aircraft: Sequence[Aircraft]) -> list[bytes]:
+def _written(name: str, plans: Sequence[FlightPlan], aircraft: Sequence[Aircraft]) -> list[bytes | None]:
+    """A file's content, or one for each flight: None for who stays on the ground."""
     known = FORMATS[name]
-    if not known.single:
-        return [known.write(plans, aircraft[0])]  # maps, which say nothing of the aircraft
-    return [known.write([plan], each) for plan, each in zip(plans, aircraft, strict=True)]
+    if not known.single:  # maps, which say nothing of the aircraft
+        return [known.write([plan for plan in plans if not plan.stays], aircraft[0])]
+    flown = zip(plans, aircraft, strict=True)
+    return [None if plan.stays else known.write([plan], each) for plan, each in flown]
 
 
-def _maps(score: Score) -> list[bytes]:
+def _maps(score: Score) -> list[bytes | None]:
     ground = check_place(score.mission)
     tags = {"MISSION": score.mission.name, "TIFFTAG_SOFTWARE": "sooner"}
     return [geotiff(values, ground, LAYERS[name], tags) for name, values in chances(score).items()]

@@ -103,20 +103,24 @@ def _kept_apart(score: Score, told: Flights) -> Flights:
     if len({sortie.drone for sortie in mission.sorties}) == 1:
         return told
     said = mission.settings.separation or SeparationSettings()
-    tracks = [leg_track(score, number, plan) for number, plan in enumerate(told.plans)]
+    tracks = [leg_track(score, number, plan) for number, plan in enumerate(told.plans) if not plan.stays]
+    if not tracks:
+        return told
     found = separated(tracks, Apart(said.horizontal_m, said.vertical_m, said.wait_s), str(mission.path))
-    plans = tuple(
-        replace(plan, departs_s=plan.departs_s + delay) for plan, delay in zip(told.plans, found.delays_s, strict=True)
-    )
+    delays = {track.number: delay for track, delay in zip(tracks, found.delays_s, strict=True)}
+    plans = tuple(replace(plan, departs_s=plan.departs_s + delays.get(plan.searcher, 0.0)) for plan in told.plans)
     kept = f"to keep {said.horizontal_m:g} m on the map or {said.vertical_m:g} m in height from others"
-    own = tuple(
-        (*notes, f"{track.name}: takes off {delay:.0f} s later than planned, {kept}") if delay else notes
-        for track, notes, delay in zip(tracks, told.own, found.delays_s, strict=True)
-    )
-    return Flights(plans, own, (*told.shared, *_near(mission, found, [track.name for track in tracks])), found)
+    own = list(told.own)
+    for track in tracks:
+        if delays[track.number]:
+            note = f"{track.name}: takes off {delays[track.number]:.0f} s later than planned, {kept}"
+            own[track.number] = (*own[track.number], note)
+    found = replace(found, delays_s=tuple(delays.get(plan.searcher, 0.0) for plan in plans))
+    names = {track.number: track.name for track in tracks}
+    return Flights(plans, tuple(own), (*told.shared, *_near(mission, found, names)), found)
 
 
-def _near(mission: Mission, found: Separation, names: list[str]) -> tuple[str, ...]:
+def _near(mission: Mission, found: Separation, names: dict[int, str]) -> tuple[str, ...]:
     """How near flights come to each other, and how much longer all takes."""
     nearest = min(found.meetings, key=lambda each: each.share, default=None)
     if nearest is None:

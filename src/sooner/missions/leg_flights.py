@@ -85,6 +85,8 @@ def leg_flight(score: Score, number: int, ground: Georeference) -> tuple[FlightP
         landing_s=sortie.landing_s,
         departs_s=max(moves.departs_s - sortie.takeoff_s, 0.0),
     )
+    if plan.stays:
+        return plan, ("the plan leaves it on the ground: it has no file",)
     return plan, (*notes, *fence_notes)
 
 

@@ -157,6 +157,11 @@ class FlightPlan:
         return float(ground_m(self.places).sum())
 
     @property
+    def stays(self) -> bool:
+        """Whether it goes nowhere: its drone is left on the ground."""
+        return self.duration_s == 0.0 and len(set(self.places)) == 1
+
+    @property
     def height(self) -> str:
         """How high it flies, in words.
 
