@@ -153,7 +153,8 @@ def fly_area(seed: int, planner: Planner, ticks: int = 8) -> Flown:
         points, each = places_of(actions), searcher.moves
         seconds = seconds_of(points[turns(points)], each.pace, 0.5)
         if seconds > searcher.budget:  # steps were too long, or the sortie is
-            seconds = seconds_of(points[turns(points)], each.pace, 0.01)
+            through, stopping = (seconds_of(way, each.pace, 0.01) for way in (points[turns(points)], points))
+            seconds = min(through, stopping)  # a drone may stop wherever its plan has a place
         shares.append(seconds / searcher.budget)
         if not drawn.allows(points):
             broken.append(f"sortie {number} leaves the area or enters a zone")
