@@ -21,7 +21,7 @@ BLANKS = (
     ("Radio channel", "Post, phone"),
     ("Rescue, phone", "Land else at"),
 )
-ABOUT_PLACES = "Degrees of WGS 84; bearings from true north; time since the first place; height above the launch; speed on the way."
+ABOUT_PLACES = "Degrees of WGS 84; bearings from true north; time since the first place; height above the launch."
 ENDS = {
     "return": "flies back to where it took off, and lands there",
     "land": "lands at the last place",
