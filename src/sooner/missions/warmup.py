@@ -7,45 +7,53 @@ from dataclasses import replace
 from itertools import islice
 
 import numpy as np
+import shapely
 
 from sooner.belief import EvidenceGrid
 from sooner.bounds import bounds
 from sooner.decomposition import boustrophedon, regions_for
 from sooner.errors import SoonerError
 from sooner.grid import Grid
+from sooner.grid.airspace import Airspace
+from sooner.motion.pace import Pace
 from sooner.planners import max_ticks, solve
 from sooner.planners.region_early import brought_forward
 from sooner.planners.region_greedy import RegionGreedy
 from sooner.planners.registry import PLANNERS
 from sooner.plotting import draw_plan
-from sooner.problem import CellMoves, Plan, SearchProblem, evaluate, information_gains
+from sooner.problem import CellMoves, Plan, Searcher, SearchProblem, evaluate, information_gains
+from sooner.problem.gains import effort_gains
+from sooner.problem.leg_moves import LegMoves
 from sooner.problem.region_problem import Sweep, region_problem
 from sooner.scenarios import bimodal, street_grid
 from sooner.sensors import BinarySensor
+from sooner.sensors.swath import Swath
 from sooner.simulation import Agent, Estimator, Scene, World, simulate
 from sooner.simulation.strategies import STRATEGIES, make_strategy
 from sooner.streets import Evasive
 
 __all__ = ["warm_up"]
 
+LEG_TICKS = 24  # first routes take as many
 BOUNDS = 60  # more than it takes for every kernel of every proof to have had its turn on a small map
 
 
 def warm_up() -> Iterator[str]:
     """Yield the name of each planner, of the bounds and of what comes after, once they are compiled and cached."""
-    regions, problems = _regions(), _problems()
+    regions, legs, problems = _regions(), _legs(), _problems()
     for problem in problems:
         for _ in islice(bounds(problem, 0.5 * problem.teleport.value), BOUNDS):
             pass
-    for _ in bounds(regions):
-        pass
+    for others in (regions, legs):
+        for _ in islice(bounds(others), BOUNDS):
+            pass
     yield "bounds"
     for name, entry in PLANNERS.items():
-        for problem in (*problems, regions):
+        for problem in (*problems, regions, legs):
             try:
                 planner = entry.make()
                 if planner.handles(problem) is None:
-                    solve(problem, planner, stop=max_ticks(3))
+                    solve(problem, planner, stop=max_ticks(LEG_TICKS if problem is legs else 3))
             except SoonerError:  # a small map may be too small for it
                 continue
         yield name
@@ -66,6 +74,16 @@ def _fly_streets() -> None:
         for name in STRATEGIES:
             simulate(scene, make_strategy(name), seed=0)
     simulate(Scene(replace(world, evasive=None), agents, seconds=10), make_strategy("random"), seed=0)
+
+
+def _legs() -> SearchProblem:
+    """Ground with a zone in it that nothing flies over, for two sorties that come home."""
+    grid = Grid((16, 24), "square8", 10.0)
+    space = Airspace(shapely.box(-5, -5, 235, 155).difference(shapely.box(80, 60, 120, 100)))
+    swath = Swath.of_width(grid, 30.0, 20.0)
+    moves = LegMoves(space, Pace(10.0, 2.0), swath, (20.0, 20.0), (20.0, 20.0))
+    gains = effort_gains(np.full(grid.n_cells, 1.0 / grid.n_cells))
+    return SearchProblem(grid, gains, (Searcher((13, 2), 60.0, (13, 2), moves),) * 2)
 
 
 def _regions() -> SearchProblem:
