@@ -542,6 +542,13 @@ BAD_LEGS = {
         "area.frame",
         ("EPSG:3857", "off here"),
     ),
+    "a start on an island": (
+        'flight_area = "island.geojson"\nmargin_m = 10\npoints = "flight.geojson"',
+        LEGS,
+        "radius_m = 60",
+        "searcher[0].start",
+        ("no way leads",),
+    ),
     "no batteries": (FLIGHT, VEHICLE + "\nbatteries = 0", "radius_m = 60", "searcher[0].batteries", ("at least 1",)),
 }
 
@@ -550,6 +557,7 @@ BAD_LEGS = {
 def test_what_cannot_be_flown_along_legs_is_refused_and_nothing_written(beyond, name):
     area, searcher, sensor, key, words = BAD_LEGS[name]
     (beyond / "copter.toml").write_text(COPTER)
+    drawn(beyond / "island.geojson", ("island", box(-300, 400, -200, 600)), ("flight", box(-50, 0, 1000, 1000)))
     raster(beyond / "sky.tif", np.where(np.indices((40, 60))[0] == 20, 1e9, 0.0), west=-800.0, north=1500.0)
     path = mission(beyond, f"{POLYGON}\n{area}", searcher, sensor, "seconds = 300")
     before = sorted(beyond.iterdir())

@@ -380,22 +380,24 @@ class OverLegs:
         return problem
 
     def _check_reach(self, searchers: list[Searcher], sorties: list[Sortie]) -> None:
-        """Batteries that do not last to the search area and back, as the crow flies and without wind."""
+        """Starts from which no way leads to the search area, or none that a battery lasts for, as the crow flies."""
         import shapely
 
         area = self.layers.area
         for searcher, sortie in zip(searchers, sorties, strict=True):
-            moves, vehicle = searcher.moves, sortie.vehicle
-            if area is None or vehicle is None or not isinstance(moves, LegMoves):
+            moves = searcher.moves
+            if area is None or not isinstance(moves, LegMoves):
                 continue
-            ends = [shapely.Point(place) for place in (moves.home, moves.end or moves.home)]
-            far_m = sum(max(float(area.polygon.distance(each)) - moves.swath.radius_m, 0.0) for each in ends)
-            if far_m / moves.pace.speed_mps > searcher.budget:
-                came = (
-                    f"{far_m:.0f} m to the search area and back came, and {searcher.budget:.0f} s of a battery for it"
-                )
-                expected = "expected a nearer start, or a longer endurance_s"
-                self.faults.once(f"searcher[{sortie.drone}].start", came, expected)
+            key, sees_m, home = f"searcher[{sortie.drone}].start", moves.swath.radius_m, shapely.Point(moves.home)
+            parts = shapely.get_parts(moves.airspace.free)
+            if not any(part.covers(home) and part.distance(area.polygon) <= sees_m for part in parts):
+                came = "a start came from which no way leads to the search area, but through no-fly zones or margins"
+                self.faults.once(key, came, "expected another start, a wider area.flight_area or a smaller margin_m")
+            ends = [home, shapely.Point(moves.end or moves.home)]
+            far_m = sum(max(float(area.polygon.distance(each)) - sees_m, 0.0) for each in ends)
+            if sortie.vehicle is not None and far_m / moves.pace.speed_mps > searcher.budget:
+                came = f"{far_m:.0f} m to the search area and back came, and {searcher.budget:.0f} s for it"
+                self.faults.once(key, came, "expected a nearer start, or a longer endurance_s")
 
     def _searcher(
         self,
