@@ -26,6 +26,7 @@ from sooner.missions.settings import (
     Window,
     Wish,
 )
+from sooner.missions.winds import WindSettings
 
 __all__ = ["reference_page"]
 
@@ -168,6 +169,7 @@ _TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[estimator]", Estimating),
     ("[regions]", Cutting),
     ("[links]", Hearing),
+    ("[wind]", WindSettings),
     ("[separation]", SeparationSettings),
 )
 
