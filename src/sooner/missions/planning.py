@@ -42,6 +42,7 @@ __all__ = ["FILES", "Planned", "plan_file", "plan_mission", "read_plan_file", "w
 
 FILES = ("plan.csv", "plan.json", "plan.png")
 EARLY = 0.2  # share of the planning time in which a plan is brought forward
+LEGS_EARLY = 0.05  # likewise along legs, where only flights as they are change places
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +192,8 @@ def plan_mission(
     told: list[Exchange] = []
     chosen = _choose(mission.problem, name, mission.settings.links, told.append)
     wants_early = mission.settings.wants_early
-    stop = max_seconds(seconds * (1.0 - EARLY) if wants_early else seconds)
+    share = LEGS_EARLY if mission.over_legs else EARLY
+    stop = max_seconds(seconds * (1.0 - share) if wants_early else seconds)
     try:
         solution = solve(mission.problem, chosen, stop=stop, seed=seed, on_tick=on_tick)
     except InfeasibleProblemError as error:
@@ -200,17 +202,18 @@ def plan_mission(
         ) from None
     late = None
     if wants_early and not told and solution.status is not Status.INTERRUPTED:
-        solution, late = _brought_forward(mission.problem, solution, seconds * EARLY)
+        solution, late = _brought_forward(mission.problem, solution, seconds * share)
     exchange = told[0] if told else None
     return Planned(score_plan(mission, solution.best.plan), solution, name, late, exchange)
 
 
 def _brought_forward(problem: SearchProblem, solution: Solution, seconds: float) -> tuple[Solution, Evaluation | None]:
     """The solution with its plan brought forward, and what the plan was before; None where nothing was gained."""
+    from sooner.planners.leg_early import earlier_within
     from sooner.planners.region_early import brought_forward_within
 
     plan = solution.best.plan
-    early = brought_forward_within(problem, plan, seconds)
+    early = (earlier_within if moves_of(problem) == "legs" else brought_forward_within)(problem, plan, seconds)
     if early == plan:
         return solution, None
     best = replace(solution.best, plan=early, value=evaluate(problem, early).value)

@@ -357,8 +357,9 @@ class Wish(_Table):
     )
     early: bool | None = Field(
         default=None,
-        description="over regions: give up at most 0.5 % of the total to have the rest sooner. Left out: so for "
-        "detection, as a find counts when it is made; not for information, which is read after the flight",
+        description="over regions: give up at most 0.5 % of the total to have the rest sooner; along legs: fly the "
+        "same legs earlier. Left out: so for detection, as a find counts when it is made; not for information, which "
+        "is read after the flight",
     )
 
 
@@ -505,7 +506,8 @@ class Settings(_Table):
     @property
     def wants_early(self) -> bool:
         """Whether a plan is to be brought forward."""
-        if not self.over_regions or self.objective.detection_target is not None:
+        timed = self.over_regions or self.over_legs
+        if not timed or self.objective.detection_target is not None:
             return False
         return self.objective.kind == "detection" if self.objective.early is None else self.objective.early
 
@@ -579,7 +581,7 @@ def not_yet(settings: Settings, file: str) -> list[Fault]:
     if settings.objective.detection_target is not None and len(settings.searcher) > 1 and over_cells:
         instead = 'leave it out: the most by the end, or give moves = "regions"'
         refuse("objective.detection_target", "a target over several searchers over cells", instead)
-    if settings.objective.early and not settings.over_regions:
+    if settings.objective.early and not (settings.over_regions or settings.over_legs):
         refuse("objective.early", "an early plan over cells", "leave it out, or give a detection_target")
     for number, searcher in enumerate(settings.searcher):
         timed = settings.over_regions or settings.over_legs

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 from math import ceil, pi
 
 import numpy as np
@@ -13,6 +14,7 @@ from sooner.grid import Grid
 from sooner.planners.anneal import Anneal
 from sooner.planners.leg_ground import LegGround, Route, Routes
 from sooner.planners.leg_spirals import spiral_routes
+from sooner.planners.patterns.no_gap import NoGap
 from sooner.planners.planner import follow
 from sooner.problem import CellMoves, Gains, Searcher, SearchProblem
 from sooner.problem.leg_moves import place_numbers, places_of
@@ -20,6 +22,7 @@ from sooner.problem.leg_moves import place_numbers, places_of
 __all__ = ["first_routes", "lane_routes", "lattice_routes"]
 
 WIDER = 1.35  # lanes that leave gaps, or overlap less, for time that is short
+GAPLESS_TICKS = 2  # the way home, and the tracks as they are drawn
 HALVINGS = 12  # of the share of the ground that lanes cover
 LATTICE_TICKS = 24  # of the walk over a lattice
 MOST_LATTICE = 40_000  # nodes
@@ -48,6 +51,9 @@ def lane_routes(ground: LegGround, angle: float, spacing: float) -> list[Route]:
         else:
             high = share
     cut, _ = _shared(ground, lanes.over(high))
+    if low > 1.0 - 0.5**HALVINGS * 2:  # there is time left: over all of it again, the other way
+        again = _Lanes(ground, angle + pi / 2, spacing).over(1.0)
+        cut, _ = _shared(ground, np.concatenate([lanes.over(1.0), again, lanes.over(1.0)]))
     return max((best, cut), key=lambda routes: Routes(ground, routes, ground.coarse).value)
 
 
@@ -190,6 +196,18 @@ def _corners(points: Route) -> Route:
     return kept
 
 
+def _is_enough(ground: LegGround, width: float) -> bool:
+    """Whether the sorties are long enough to sweep all the ground that pays, if no metre were flown twice."""
+    flown_m = sum(each.pace.speed_mps * budget for each, budget in zip(ground.moves, ground.budgets, strict=True))
+    return bool(ground.within_reach.sum() * ground.problem.grid.cell_m**2 <= width * flown_m)
+
+
+def _gapless(ground: LegGround, rng: Generator) -> list[Route]:
+    """Routes that leave nothing unseen, as far as they go."""
+    *_, last = islice(NoGap().plans(ground.problem, rng), GAPLESS_TICKS)
+    return [places_of(actions) for actions in last.plan.actions]
+
+
 def first_routes(ground: LegGround, rng: Generator) -> Iterator[list[Route]]:
     """One set of first routes after another, the quickest to find first."""
     width = max(ground.moves[0].swath.width_m, ground.problem.grid.cell_m)
@@ -200,6 +218,8 @@ def first_routes(ground: LegGround, rng: Generator) -> Iterator[list[Route]]:
         spirals = spiral_routes(ground, apart, sense)
         if spirals is not None:
             yield spirals
+    if _is_enough(ground, width):
+        yield _gapless(ground, rng)
     if max(each.pace.speed_mps**2 / each.pace.accel_mps2 for each in ground.moves) > width / 2:
         return  # at every corner a drone loses more than it sees between two of them
     for angle in (0.0, pi / 4):
