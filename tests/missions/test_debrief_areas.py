@@ -8,8 +8,8 @@ import pytest
 from sooner.io import Folder
 from sooner.io.tracks import Track
 from sooner.missions import read_mission, score_plan
+from sooner.missions.chances import pod_by_cell
 from sooner.missions.debrief import debrief
-from sooner.missions.debrief_looks import pod_by_cell
 from sooner.missions.flight_plans import check_place
 from sooner.planners import max_ticks, solve
 from sooner.planners.registry import DEFAULT, make_planner

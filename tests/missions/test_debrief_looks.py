@@ -12,7 +12,8 @@ from sooner.grid import Grid
 from sooner.grid.airspace import Airspace
 from sooner.io.tracks import Track
 from sooner.missions import read_mission, score_plan
-from sooner.missions.debrief_looks import LEAST, crossed_cells, flown, pod_by_cell
+from sooner.missions.chances import pod_by_cell
+from sooner.missions.debrief_looks import LEAST, crossed_cells, flown
 from sooner.missions.flight_plans import flights
 from sooner.motion.pace import Pace
 from sooner.problem import Plan, Searcher, SearchProblem, evaluate

@@ -43,7 +43,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import floor, hypot, inf, pi, sqrt
+from math import e, floor, hypot, inf, pi, sqrt
 
 import numpy as np
 import shapely
@@ -319,7 +319,7 @@ class _Law:
             best = np.full_like(q, low) if self.weighed else np.clip(1 / q, low, high)
             found = np.exp(-best * q) * (1.0 if self.weighed else best)
             if self.cube:  # k exp(-k / 2 r^2) / r^3 is most where r^2 = k / 3
-                peak = (3 / np.e) ** 1.5 * np.exp(high / self.radius**2 / 2) / low**0.5
+                peak = (3 / e) ** 1.5 * np.exp(high / self.radius**2 / 2) / low**0.5
                 found = np.minimum(np.nan_to_num(found * near**-3.0, nan=0.0), peak / (low if self.weighed else 1.0))
         return np.where((near <= self.radius) & (far >= self.closest), found, 0.0)
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from sooner.belief import Belief, BetaGrid
 from sooner.errors import UnsupportedProblemError
+from sooner.missions.mission_file import Mission
 from sooner.missions.score import Score
-from sooner.problem import Gains, detection_gains
-from sooner.sensors.swath import pod as pod_of_effort
+from sooner.problem import detection_gains
+from sooner.sensors.swath import pod
 
-__all__ = ["LAYERS", "chances"]
+__all__ = ["LAYERS", "chances", "pod_by_cell"]
 
 LAYERS = {
     "poc-before": "probability that the person is there, before the flight",
@@ -35,23 +38,18 @@ def chances(score: Score) -> dict[str, NDArray[np.float64]]:
     sight = score.mission.sight
     if isinstance(sight.known, BetaGrid):
         raise UnsupportedProblemError('model = "beta" came, where nobody is found; geotiff expects looks that detect')
-    before, seen = sight.theta, np.flatnonzero(score.looks)
-    pod = np.zeros(before.shape)
-    if score.mission.over_legs:
-        pod = pod_of_effort(score.looks).reshape(before.shape)
-    elif len(seen):
+    before = sight.theta
+    detected = pod_by_cell(score.mission, score.looks).reshape(before.shape)
+    return {"poc-before": before, "poc-after": before * (1.0 - detected), "pod": detected}
+
+
+def pod_by_cell(mission: Mission, looks: NDArray[Any]) -> NDArray[np.float64]:
+    """(N,) float: P(so many looks detect who is there), by the judge's own gains; along legs 1 - exp(-effort)."""
+    if mission.over_legs:
+        return pod(looks)
+    found, seen = np.zeros(looks.shape), np.flatnonzero(looks)
+    if len(seen):
         alike = Belief.from_weights(np.ones((1, len(seen))))
-        gains = detection_gains(alike, np.ravel(sight.glimpse)[None, seen], sight.correlation)
-        pod.flat[seen] = np.minimum(_paid(gains, score.looks[seen]) * len(seen), 1.0)
-    return {"poc-before": before, "poc-after": before * (1.0 - pod), "pod": pod}
-
-
-def _paid(gains: Gains, looks: NDArray[np.int64]) -> NDArray[np.float64]:
-    """(N,) float: what so many looks at each cell pay in all: the table's, then the geometric tail."""
-    columns = gains.table.shape[1]
-    in_table = np.concatenate([np.zeros((len(looks), 1)), np.cumsum(gains.table, axis=1)], axis=1)
-    paid = in_table[np.arange(len(looks)), np.minimum(looks, columns)]
-    ratio, more = gains.ratio, np.maximum(looks - columns, 0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        terms = np.where(ratio < 1.0, ratio * (1.0 - ratio**more) / (1.0 - ratio), more)
-    return np.asarray(paid + gains.table[:, -1] * terms)
+        gains = detection_gains(alike, np.ravel(mission.glimpse)[None, seen], mission.sight.correlation)
+        found[seen] = np.minimum(gains.total(np.arange(len(seen)), looks[seen].astype(np.float64)) * len(seen), 1.0)
+    return found

@@ -19,8 +19,8 @@ from sooner.io import Folder
 from sooner.io.georeference import Georeference
 from sooner.io.geotiff import geotiff
 from sooner.io.tracks import Track
-from sooner.missions.chances import LAYERS
-from sooner.missions.debrief_looks import Flown, flown, pod_by_cell
+from sooner.missions.chances import LAYERS, pod_by_cell
+from sooner.missions.debrief_looks import Flown, flown
 from sooner.missions.debrief_next import MISSION, Searched, next_files
 from sooner.missions.debrief_plan import Compared, compared, gaps_geojson
 from sooner.missions.flight_plans import check_place

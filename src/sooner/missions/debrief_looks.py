@@ -11,19 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sooner.belief import Belief
 from sooner.errors import DataFormatError, Fault, InvalidProblemError
 from sooner.grid import Grid, rows_and_cols
 from sooner.io.georeference import Georeference
 from sooner.io.tracks import Track
 from sooner.missions.mission_file import Mission
-from sooner.problem import detection_gains
 from sooner.problem.leg_moves import LegMoves
 from sooner.sensors.camera import Camera
 from sooner.sensors.footprint import cell_passes
-from sooner.sensors.swath import pod
 
-__all__ = ["Flown", "crossed_cells", "flown", "pod_by_cell", "reach_m"]
+__all__ = ["Flown", "crossed_cells", "flown", "reach_m"]
 
 JITTER_M = 2.0  # by which receivers err from fix to fix: lines are straightened by as much
 FINE = 0.1  # of how far looks reach: lines are straightened by no more
@@ -110,18 +107,6 @@ def reach_m(mission: Mission) -> float:
     assert None not in (said.fov_deg, said.pixels, said.exposure_s, said.altitude_m)
     camera = Camera(radians(said.fov_deg or 0.0), said.pixels or 0, said.exposure_s or 0.0)
     return float(camera.footprint_radius(said.altitude_m or 0.0))
-
-
-def pod_by_cell(mission: Mission, looks: NDArray[Any]) -> Floats:
-    """(N,) float: P(so many looks detect who is there), by the judge's own gains; along legs 1 - exp(-effort)."""
-    if isinstance(mission.problem.searchers[0].moves, LegMoves):
-        return pod(looks)
-    found, seen = np.zeros(looks.shape), np.flatnonzero(looks)
-    if len(seen):
-        alike = Belief.from_weights(np.ones((1, len(seen))))
-        gains = detection_gains(alike, np.ravel(mission.glimpse)[None, seen], mission.sight.correlation)
-        found[seen] = np.minimum(gains.total(np.arange(len(seen)), looks[seen].astype(np.float64)) * len(seen), 1.0)
-    return found
 
 
 # ---------------------------------------------------------------- looks

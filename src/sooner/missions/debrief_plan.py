@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sooner.io.georeference import Georeference
-from sooner.missions.debrief_looks import Flown, pod_by_cell, reach_m
+from sooner.missions.chances import pod_by_cell
+from sooner.missions.debrief_looks import Flown, reach_m
 from sooner.missions.flight_plans import flights
 from sooner.missions.score import Score
 from sooner.problem.leg_moves import LegMoves, places_of

@@ -568,6 +568,8 @@ def not_yet(settings: Settings, file: str) -> list[Fault]:
     if settings.separation is not None and not (settings.over_legs or settings.over_waypoints):
         refuse("separation", "how far drones keep apart", 'give moves = "legs", or leave it out')
     if not settings.over_legs:
+        if settings.wind is not None:
+            refuse("wind", "a wind", 'give moves = "legs", or leave it out: nothing else is slowed by it')
         for key in ("sweep_width_m", "law"):
             if getattr(settings.sensor, key) is not None:
                 refuse(f"sensor.{key}", "effort along legs", 'give moves = "legs", or leave it out')
