@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from sooner.missions import Mission
+from sooner.missions.report.words import clock
 
 __all__ = ["amount", "clock", "flight", "percent", "steps", "times"]
 
@@ -20,17 +21,6 @@ def amount(mission: Mission, value: float) -> str:
     if unit == "probability":
         return percent(value)
     return f"{value:,.{1 if abs(value) >= 100 else 3}f} {unit}"
-
-
-def clock(seconds: float) -> str:
-    """As `12:05`, or `1:02:05`.
-
-    >>> clock(725), clock(3725)
-    ('12:05', '1:02:05')
-    """
-    hours, rest = divmod(round(seconds), 3600)
-    minutes, left = divmod(rest, 60)
-    return f"{hours}:{minutes:02d}:{left:02d}" if hours else f"{minutes}:{left:02d}"
 
 
 def steps(mission: Mission, count: float) -> str:

@@ -12,6 +12,7 @@ from sooner.errors import UnsupportedProblemError
 from sooner.missions.mission_file import Mission
 from sooner.missions.score import Score
 from sooner.problem import detection_gains
+from sooner.problem.leg_moves import LegMoves
 from sooner.sensors.swath import pod
 
 __all__ = ["LAYERS", "chances", "pod_by_cell"]
@@ -45,7 +46,7 @@ def chances(score: Score) -> dict[str, NDArray[np.float64]]:
 
 def pod_by_cell(mission: Mission, looks: NDArray[Any]) -> NDArray[np.float64]:
     """(N,) float: P(so many looks detect who is there), by the judge's own gains; along legs 1 - exp(-effort)."""
-    if mission.over_legs:
+    if isinstance(mission.problem.searchers[0].moves, LegMoves):
         return pod(looks)
     found, seen = np.zeros(looks.shape), np.flatnonzero(looks)
     if len(seen):

@@ -13,9 +13,10 @@ from sooner.errors import DataFormatError, Fault, InvalidProblemError, printable
 from sooner.io.georeference import Georeference
 from sooner.io.reading import read_toml
 from sooner.missions.faults import Faults
+from sooner.missions.fleet import Sortie
 from sooner.missions.layers import Layers
 from sooner.missions.over_cells import OverCells
-from sooner.missions.over_legs import OverLegs, Sortie
+from sooner.missions.over_legs import OverLegs
 from sooner.missions.over_regions import OverRegions
 from sooner.missions.places import places
 from sooner.missions.real_area import RealArea

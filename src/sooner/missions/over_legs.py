@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
-from math import inf
 from typing import Any
 
 import numpy as np
 
-from sooner.errors import DataFormatError, InvalidProblemError
+from sooner.errors import InvalidProblemError
 from sooner.grid import Grid
 from sooner.grid.airspace import Airspace
 from sooner.io.georeference import Georeference
 from sooner.missions.area_layers import check_seen
 from sooner.missions.faults import Faults
 from sooner.missions.finer import finer, parts_for
+from sooner.missions.fleet import Fleet, Sortie
 from sooner.missions.layers import Layers
-from sooner.missions.over_regions import camera_sight
 from sooner.missions.places import Place
 from sooner.missions.settings import Place as OnGlobe
-from sooner.missions.settings import Searching, Settings
+from sooner.missions.settings import Settings
 from sooner.missions.sight import Sight
-from sooner.missions.vehicles import Vehicle, read_vehicle
-from sooner.missions.winds import wind_fault
 from sooner.motion.pace import Pace, Terrain
 from sooner.motion.wind import Wind
 from sooner.problem import Searcher, SearchProblem
@@ -31,35 +27,12 @@ from sooner.problem.gains import effort_gains
 from sooner.problem.leg_moves import LegMoves
 from sooner.sensors.swath import CUBE_REACH, Swath
 
-__all__ = ["USUAL_M", "OverLegs", "Sortie"]
+__all__ = ["OverLegs"]
 
-USUAL_M = 60.0  # above the ground, where neither the drone nor the camera has an altitude
-SHORTEST_S = 10.0  # of a sortie that is worth taking off for
 SMOOTHED_CELLS = 2  # of elevation, over which the height that is flown is smoothed
 MOST_SORTIES = 100
 
 Metres = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class Sortie:
-    """One flight on one battery.
-
-    Parameters
-    ----------
-    drone : int                 number of its `[[searcher]]`
-    battery : int               which of the drone's, from 0
-    altitude_m : float          above the ground
-    takeoff_s, landing_s : float   before the first leg and after the last
-    vehicle : Vehicle or None   where the mission names its file
-    """
-
-    drone: int
-    battery: int
-    altitude_m: float
-    takeoff_s: float = 0.0
-    landing_s: float = 0.0
-    vehicle: Vehicle | None = None
 
 
 class OverLegs:
@@ -71,15 +44,19 @@ class OverLegs:
         self, faults: Faults, settings: Settings, layers: Layers, places: list[tuple[Place | None, Place | None]]
     ) -> None:
         self.faults, self.settings, self.layers, self.places = faults, settings, layers, places
-        self.notes: tuple[str, ...] = ()
+        self._finer_notes: tuple[str, ...] = ()
         self._check_keys()
-        self.vehicles = [self._vehicle(number) for number in range(len(settings.searcher))]
-        self.altitudes = [self._altitude(number) for number in range(len(settings.searcher))]
-        self.radius_m = self._radius_m()
+        self.fleet = Fleet(faults, settings)
+        self.radius_m = self.fleet.reach_m()
         self.coarse = layers
         self.layers = self._finer(layers)
         self.sorties: tuple[Sortie, ...] = ()
         self.space = self._airspace()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the user should know about how the file was understood."""
+        return self.fleet.notes + self._finer_notes
 
     # ------------------------------------------------------------ what the file says
 
@@ -113,75 +90,6 @@ class OverLegs:
         if settings.links is not None:
             add("links", "it came", "expected it left out along legs, which one computer plans for all")
 
-    def _vehicle(self, number: int) -> Vehicle | None:
-        said, key = self.settings.searcher[number], f"searcher[{number}]"
-        if said.vehicle is None:
-            for name, unit in (("speed_mps", "metres a second"), ("accel_mps2", "metres a second squared")):
-                if getattr(said, name) is None:
-                    expected = f"expected {unit}, or a vehicle file: along legs flights are timed"
-                    self.faults.add(f"{key}.{name}", "nothing came", expected)
-            if said.batteries > 1:
-                expected = "expected a vehicle file, which says how long one lasts"
-                self.faults.add(f"{key}.batteries", f"{said.batteries} came without a vehicle", expected)
-            if said.kind == "fixed_wing":
-                self.faults.add(
-                    f"{key}.kind", "a fixed wing along legs came", "expected 'copter': it stops where it turns"
-                )
-            if self.settings.wind is not None:
-                expected = "expected a vehicle file that says airspeed_mps, or no wind"
-                self.faults.add(f"{key}.vehicle", "nothing came beside a wind", expected)
-            return None
-        try:
-            vehicle = read_vehicle(self.faults.path.parent / said.vehicle)
-        except DataFormatError as error:
-            for fault in error.faults:
-                where = f", {fault.key}" if fault.key else ""
-                self.faults.add(f"{key}.vehicle", f"{fault.file}{where}: {fault.came}", fault.expected)
-            return None
-        if vehicle.kind == "fixed_wing":
-            self.faults.add(f"{key}.vehicle", "a fixed wing came", "expected a copter: legs stop where they turn")
-        windy = wind_fault(str(self.faults.path), self.settings.wind, said.vehicle, vehicle.airspeed_mps)
-        if windy is not None:
-            self.faults.once(windy.key, windy.came, windy.expected)
-        return vehicle
-
-    def _altitude(self, number: int) -> float:
-        """Above the ground: what the drone is told, else what the camera needs."""
-        said, camera = self.settings.searcher[number].altitude_m, self.settings.sensor.camera
-        if said is not None:
-            return said
-        if camera is not None and camera.altitude_m is not None:
-            return camera.altitude_m
-        note = f"nobody says how high: flown {USUAL_M:g} m above the ground"
-        self.notes += (note,) if note not in self.notes else ()
-        return USUAL_M
-
-    def _radius_m(self) -> float | None:
-        """How far looks reach, whichever way the file says it; None where nobody does."""
-        sensor = self.settings.sensor
-        told: list[tuple[str, float]] = []
-        if sensor.radius_m is not None:
-            told.append(("sensor.radius_m", sensor.radius_m))
-        if sensor.camera is not None:
-            seen, _ = camera_sight(self.faults, sensor.camera)
-            told += [] if seen is None else [("sensor.camera", seen)]
-        if len(told) > 1:
-            self.faults.add("sensor", "radius_m and camera came", "expected one of them")
-        if not told and sensor.sweep_width_m is None:
-            for number, vehicle in enumerate(self.vehicles):
-                seen = None if vehicle is None else vehicle.radius_m(self.altitudes[number])
-                if seen is not None:
-                    told.append((f"searcher[{number}].vehicle", seen))
-            if len({radius for _, radius in told}) > 1:
-                came = ", ".join(f"{radius:.4g} m by {key}" for key, radius in told)
-                self.faults.add(
-                    "sensor.radius_m", f"cameras that see {came} came", "expected one radius for all drones"
-                )
-        if not told and sensor.sweep_width_m is None and not self.faults.among("sensor"):
-            expected = "expected metres, a camera, or sweep_width_m: along legs the ground so near is looked at"
-            self.faults.add("sensor.radius_m", "nothing came", expected)
-        return told[0][1] if told else None
-
     # ------------------------------------------------------------ ground
 
     def _finer(self, layers: Layers) -> Layers:
@@ -199,7 +107,7 @@ class OverLegs:
             check_seen(self.faults, self.settings, layers.area.polygon, reach if sure else widest / 2.0)
         parts = parts_for(reach, layers.cell_m, layers.shape[0] * layers.shape[1], sure)
         if parts > 1:
-            self.notes += (
+            self._finer_notes += (
                 f"cells of {layers.cell_m:g} m are cut into {parts} x {parts}, as looks reach {reach:.3g} m",
             )
         return finer(layers, parts)
@@ -258,29 +166,6 @@ class OverLegs:
             return said.blows_to
         return said.over(Georeference.of(first), shape)
 
-    # ------------------------------------------------------------ sorties
-
-    def _pace(self, number: int) -> Pace:
-        said, vehicle = self.settings.searcher[number], self.vehicles[number]
-        sharp = inf
-        if self.settings.sensor.camera is not None:
-            _, sharp = camera_sight(self.faults, self.settings.sensor.camera)
-        if vehicle is None:
-            assert said.speed_mps is not None
-            assert said.accel_mps2 is not None
-            return Pace(min(said.speed_mps, sharp), said.accel_mps2)
-        pace = vehicle.pace(self.altitudes[number], self._wind, self.terrain)
-        asked = min(pace.speed_mps, said.speed_mps or inf, sharp)
-        limits = pace.airspeed_mps, pace.wind, pace.climb_mps, pace.descent_mps, pace.terrain
-        return Pace(asked, said.accel_mps2 or pace.accel_mps2, *limits)
-
-    def _up_and_down_s(self, number: int, said: Searching, vehicle: Vehicle) -> tuple[float, float]:
-        """Seconds of taking off and landing, from and to the ground beneath the surface that is followed."""
-        start, end = self.places[number]
-        up_m = self.altitudes[number] + self._above_ground_m(said.start, start)
-        down_m = up_m if end is None else self.altitudes[number] + self._above_ground_m(said.end, end)
-        return vehicle.climb_s(up_m), vehicle.landing_s(down_m)
-
     def _above_ground_m(self, said: Any, cell: Place | None) -> float:
         """By how much the surface that is followed is higher than the ground at a start or end."""
         area, cell_m = self.layers.area, self.layers.cell_m
@@ -288,39 +173,6 @@ class OverLegs:
             return 0.0
         place = np.array([self._exactly(said, cell)])
         return float((self.terrain.heights_at(place) - Terrain(area.elevation, cell_m).heights_at(place))[0])
-
-    def _flights(self, number: int, said: Searching, vehicle: Vehicle | None) -> list[tuple[Sortie, float, float]]:
-        """Every sortie of one drone with its seconds on legs, and when the first of them begins."""
-        altitude, whole = self.altitudes[number], self.settings.budget.seconds
-        if vehicle is None:
-            if whole is None:
-                expected = "expected seconds, or a vehicle file that says how long a battery lasts"
-                self.faults.add("budget.seconds", "nothing came", expected)
-                return []
-            return [(Sortie(number, 0, altitude), whole, 0.0)]
-        up, down = self._up_and_down_s(number, said, vehicle)
-        lasts = vehicle.endurance_s - vehicle.reserve_s - up - down
-        if lasts < SHORTEST_S:
-            came = (
-                f"{said.vehicle} has {max(lasts, 0.0):.0f} s left of a battery after its reserve, climbing and landing"
-            )
-            self.faults.add(f"searcher[{number}].vehicle", came, "expected a longer endurance or a lower altitude_m")
-            return []
-        found, begins = [], 0.0
-        for battery in range(said.batteries):
-            left = inf if whole is None else whole - begins - up - down
-            if left < SHORTEST_S:
-                break
-            found.append((Sortie(number, battery, altitude, up, down, vehicle), min(lasts, left), begins + up))
-            begins += up + lasts + down + vehicle.swap_s
-        if len(found) < said.batteries:
-            self.notes += (
-                f"drone {number}: {len(found)} of {said.batteries} batteries are flown: budget.seconds ends then",
-            )
-        if not found:
-            came = f"{whole:g} s came, and {said.vehicle} takes {up + down:.0f} s to climb and land"
-            self.faults.once("budget.seconds", came, "expected more time")
-        return found
 
     # ------------------------------------------------------------ the problem
 
@@ -358,15 +210,17 @@ class OverLegs:
         grid = Grid(self.layers.shape, "square8", self.layers.cell_m)
         swath = self._swath(grid, sight)
         searchers, sorties = [], []
-        for number, (said, vehicle) in enumerate(zip(self.settings.searcher, self.vehicles, strict=True)):
-            flights = self._flights(number, said, vehicle)
+        for number, said in enumerate(self.settings.searcher):
             start, end = self.places[number]
+            up_m = self._above_ground_m(said.start, start)
+            down_m = up_m if end is None else self._above_ground_m(said.end, end)
+            flights = self.fleet.flights(number, (up_m, down_m))
             if swath is None or not flights or start is None:
                 continue
-            pace, home = self._pace(number), self._exactly(said.start, start)
+            pace, home = self.fleet.pace(number, self._wind, self.terrain), self._exactly(said.start, start)
             goal = None if end is None else self._exactly(said.end, end)
             for sortie, budget_s, departs_s in flights:
-                lands = goal if goal is not None or vehicle is None else home
+                lands = goal if goal is not None or sortie.vehicle is None else home
                 found = self._searcher(number, budget_s, home, lands, pace, swath, departs_s)
                 if found is not None:
                     searchers.append(found)

@@ -13,7 +13,26 @@ from sooner.plotting.style import END, GREY, INK, START
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw_clock", "draw_ends", "draw_key", "draw_legend", "draw_path", "draw_scale", "duration"]
+__all__ = ["draw_clock", "draw_ends", "draw_key", "draw_legend", "draw_path", "draw_scale", "draw_team", "duration"]
+
+
+def draw_team(
+    axes: Axes, flights: list[tuple[NDArray[np.float64], NDArray[np.float64]]], longest: float, scaled: bool
+) -> None:
+    """Paths (n, 2) with the seconds at which each place is reached, their ends, and the clock and scale beside them."""
+    from matplotlib.colors import Normalize
+
+    clock = Normalize(0, max(longest / 60.0, 1e-9))
+    flown_m = sum(float(np.hypot(*np.diff(path, axis=0).T).sum()) for path, _ in flights)
+    across_m = float(np.ptp(axes.get_xlim()) + np.ptp(axes.get_ylim()))
+    width = float(np.clip(60.0 * across_m / max(flown_m, 1e-9), 0.6, 2.6))
+    for number, (path, times) in enumerate(flights):
+        draw_path(axes, path, times / 60.0, clock, width)
+        draw_ends(axes, path, number if len(flights) > 1 else None)
+    draw_legend(axes)
+    if scaled:
+        draw_scale(axes)
+    draw_clock(axes, clock, "minutes into the flight")
 
 
 def draw_path(axes: Axes, path: NDArray[np.float64], times: NDArray[np.float64], clock: Any, width: float) -> None:

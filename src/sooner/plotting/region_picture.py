@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sooner.plotting.cells import CellMap
 from sooner.plotting.curves import draw_curve
-from sooner.plotting.flight import draw_clock, draw_ends, draw_legend, draw_path, draw_scale, duration
+from sooner.plotting.flight import draw_team, duration
 from sooner.plotting.layers import looks_layer, time_layer
 from sooner.plotting.plan_picture import SIZE, Caption, Row, by, draw_panels, draw_title
 from sooner.plotting.png import png
@@ -67,7 +67,7 @@ def _compose(figure: Figure, evaluation: Evaluation, plan: Plan, ground: Ground,
     axes = figure.add_axes((0.045, 0.4, 0.475, 0.45) if wide else (0.045, 0.07, 0.475, 0.79))
     cells.draw_layer(axes, measure.layer(ground.there, peak), numbered=True)
     _draw_borders(axes, cells, _moves(problem.searchers[0]).graph.labels)
-    _draw_flights(axes, flights, longest, caption)
+    draw_team(axes, flights, longest, caption.cell_m is not None)
     beside = figure.add_axes((0.64, 0.12, 0.34, 0.7) if wide else (0.625, 0.49, 0.355, 0.34))
     draw_curve(beside, evaluation, caption.bound, 1.0, measure, reference)
     panels = [
@@ -76,24 +76,6 @@ def _compose(figure: Figure, evaluation: Evaluation, plan: Plan, ground: Ground,
         ("Looks at each cell", looks_layer(ground.looks)),
     ]
     draw_panels(figure, cells, panels, Row(0.045, 0.28, 0.15, 0.2, 0.165) if wide else Row())
-
-
-def _draw_flights(
-    axes: Axes, flights: list[tuple[NDArray[np.float64], NDArray[np.float64]]], longest: float, caption: Caption
-) -> None:
-    from matplotlib.colors import Normalize
-
-    clock = Normalize(0, max(longest / 60.0, 1e-9))
-    flown_m = sum(float(np.hypot(*np.diff(path, axis=0).T).sum()) for path, _ in flights)
-    across_m = float(np.ptp(axes.get_xlim()) + np.ptp(axes.get_ylim()))
-    width = float(np.clip(60.0 * across_m / max(flown_m, 1e-9), 0.6, 2.6))
-    for number, (path, times) in enumerate(flights):
-        draw_path(axes, path, times / 60.0, clock, width)
-        draw_ends(axes, path, number if len(flights) > 1 else None)
-    draw_legend(axes)
-    if caption.cell_m is not None:
-        draw_scale(axes)
-    draw_clock(axes, clock, "minutes into the flight")
 
 
 def _draw_borders(axes: Axes, cells: CellMap, labels: NDArray[np.int32]) -> None:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from sooner.io.flights import FlightPlan
 from sooner.io.georeference import Georeference, ground_m
+from sooner.missions.fleet import Sortie
 from sooner.missions.flight_plans import Flights
-from sooner.missions.over_legs import Sortie
 from sooner.missions.over_regions import dynamics_of
 from sooner.missions.report.lines import Line, flown_lines, name_of
 from sooner.missions.score import Score

@@ -11,8 +11,9 @@ from numpy.random import Generator
 from sooner.decomposition.patterns import Tracks, expanding_square, sector_search
 from sooner.planners.leg_ground import leg_searchers
 from sooner.planners.patterns.best_of import best_of
-from sooner.planners.patterns.checked import check_datum, check_overlap, check_positive
+from sooner.planners.patterns.checked import check_datum, check_positive
 from sooner.planners.patterns.searched import Searched
+from sooner.planners.patterns.spaced import Spaced
 from sooner.planners.planner import Ticks
 from sooner.problem import SearchProblem
 
@@ -22,35 +23,23 @@ _RADII = (1.0, 1.5, 2.0, 3.0, 5.0)  # track spacings at the rim, where legs lie 
 
 
 @dataclass(frozen=True)
-class ExpandingSquare:
+class ExpandingSquare(Spaced):
     """Outwards in squares from the datum; the first leg in any of eight directions, the judge chooses.
 
     Parameters
     ----------
     datum : (float, float) or None   metres in the frame of `Grid.centres_m`; None: where the POC peaks, or
                                      the square that all sorties can cover holds most of it
-    spacing_m : float or None        between tracks; None: the swath's width less the overlap, or by sweep width
-    overlap : float                  share of the swath that neighbours see both
     """
 
     datum: tuple[float, float] | None = None
-    spacing_m: float | None = None
-    overlap: float = 0.0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_datum(self.datum)
-        check_positive("spacing_m", self.spacing_m)
-        check_overlap(self.overlap)
 
-    def handles(self, problem: SearchProblem) -> str | None:
-        """Sorties along legs, any number of them."""
-        return leg_searchers(problem)
-
-    def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
-        """Yield the best after every spacing and direction."""
-        return best_of(problem, self._drawn)
-
-    def _drawn(self, searched: Searched) -> Iterator[Tracks]:
+    def drawn(self, searched: Searched) -> Iterator[Tracks]:
+        """About every datum, at every spacing, in every direction."""
         for spacing in searched.spacings(self.spacing_m, self.overlap):
             for datum in searched.datums(spacing) if self.datum is None else [self.datum]:
                 for eighth in range(8):

@@ -7,72 +7,34 @@ from dataclasses import dataclass
 from typing import Any
 
 import shapely
-from numpy.random import Generator
 
 from sooner.decomposition.patterns import Tracks, creeping_line, parallel_track
-from sooner.planners.leg_ground import leg_searchers
-from sooner.planners.patterns.best_of import best_of
-from sooner.planners.patterns.checked import check_overlap, check_positive
 from sooner.planners.patterns.searched import Searched
-from sooner.planners.planner import Ticks
-from sooner.problem import SearchProblem
+from sooner.planners.patterns.spaced import Spaced
 
 __all__ = ["CreepingLine", "ParallelTrack"]
 
 
 @dataclass(frozen=True)
-class ParallelTrack:
+class ParallelTrack(Spaced):
     """Legs parallel to the long side of the search area, one track spacing apart.
 
     Search areas are all of the free ground and rectangles about where the person may be; the search commences in any
     of four corners; the judge chooses.
-
-    Parameters
-    ----------
-    spacing_m : float or None   between tracks; None: the swath's width less the overlap, or by sweep width
-    overlap : float             share of the swath that neighbours see both
     """
 
-    spacing_m: float | None = None
-    overlap: float = 0.0
-
-    def __post_init__(self) -> None:
-        check_positive("spacing_m", self.spacing_m)
-        check_overlap(self.overlap)
-
-    def handles(self, problem: SearchProblem) -> str | None:
-        """Sorties along legs, any number of them."""
-        return leg_searchers(problem)
-
-    def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
-        """Yield the best after every search area, spacing and corner."""
-        return best_of(problem, lambda searched: _laned(searched, parallel_track, self.spacing_m, self.overlap))
+    def drawn(self, searched: Searched) -> Iterator[Tracks]:
+        """Over every search area, at every spacing, from every corner."""
+        return _laned(searched, parallel_track, self.spacing_m, self.overlap)
 
 
 @dataclass(frozen=True)
-class CreepingLine:
-    """Legs parallel to the short side of the search area, from one end of it to the other; else as `ParallelTrack`.
+class CreepingLine(Spaced):
+    """Legs parallel to the short side of the search area, from one end of it to the other; else as `ParallelTrack`."""
 
-    Parameters
-    ----------
-    spacing_m : float or None   between tracks; None: the swath's width less the overlap, or by sweep width
-    overlap : float             share of the swath that neighbours see both
-    """
-
-    spacing_m: float | None = None
-    overlap: float = 0.0
-
-    def __post_init__(self) -> None:
-        check_positive("spacing_m", self.spacing_m)
-        check_overlap(self.overlap)
-
-    def handles(self, problem: SearchProblem) -> str | None:
-        """Sorties along legs, any number of them."""
-        return leg_searchers(problem)
-
-    def plans(self, problem: SearchProblem, rng: Generator) -> Ticks:
-        """Yield the best after every search area, spacing and corner."""
-        return best_of(problem, lambda searched: _laned(searched, creeping_line, self.spacing_m, self.overlap))
+    def drawn(self, searched: Searched) -> Iterator[Tracks]:
+        """Over every search area, at every spacing, from every corner."""
+        return _laned(searched, creeping_line, self.spacing_m, self.overlap)
 
 
 def _laned(
