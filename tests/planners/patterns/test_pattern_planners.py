@@ -139,7 +139,7 @@ def test_an_expanding_square_begins_where_the_poc_peaks_with_legs_of_one_one_two
     poc[peak] = 0.5
     problem = field([70.0], poc=poc)
     assert np.allclose(connected(LegGround(problem))[0].datums(50.0)[0], grid.centres_m[peak])
-    route = routes(best(problem, ExpandingSquare(tuple(grid.centres_m[peak]))))[0]
+    route = routes(best(problem, ExpandingSquare(datum=tuple(grid.centres_m[peak]))))[0]
     first = int(np.argmin(np.hypot(*(route - grid.centres_m[peak]).T)))
     steps = np.hypot(*np.diff(route[first:], axis=0).T)
     assert np.allclose(route[first], grid.centres_m[peak], atol=0.02)
