@@ -14,6 +14,7 @@ from sooner.grid.airspace import Airspace
 from sooner.motion.pace import Pace
 from sooner.planners import solve
 from sooner.planners.leg_anneal import LegAnneal
+from sooner.planners.registry import make_planner
 from sooner.problem import Searcher, SearchProblem
 from sooner.problem.gains import effort_gains
 from sooner.problem.leg_moves import LegMoves, places_of
@@ -59,10 +60,17 @@ def _axis(cells: int, side_m: float, fine_m: float) -> NDArray[np.float64]:
 
 
 def fly(
-    scenario: Sarenv, drones: int, metres: float, rows: int, seconds: float, seed: int = 0, law: str = "seen"
+    scenario: Sarenv,
+    drones: int,
+    metres: float,
+    rows: int,
+    seconds: float,
+    seed: int = 0,
+    law: str = "seen",
+    pattern: str | None = None,
 ) -> list[Way]:
-    """The ways that are best after that much processor time of one thread."""
+    """The ways that are best after that much processor time of one thread; those of a manual's pattern, if named."""
     problem, origin = search(scenario, drones, metres, rows, law)
-    stop = processor_seconds(seconds)
-    best = solve(problem, LegAnneal(threads=1), stop=stop, seed=seed).best
+    planner = LegAnneal(threads=1) if pattern is None else make_planner(pattern)
+    best = solve(problem, planner, stop=processor_seconds(seconds), seed=seed).best
     return [places_of(actions) + origin for actions in best.plan.actions]

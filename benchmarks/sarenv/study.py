@@ -35,15 +35,16 @@ MEASURES = ("likelihood", "swept", "time_discounted", "victims_percent", "area_k
 FIELDS = ("scenario", "drones", "metres", "planner", "pitch_m", "seconds", "seed", *MEASURES, "cpu_s")
 FILE = Path(__file__).parent / "sarenv.csv"
 
+MANUALS = ("parallel-track", "creeping-line", "expanding-square", "sector", "no-gap")
+MANUAL_ROWS = 7  # of cells across the swath, by which their variants are judged
+
 Key = tuple[str, ...]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", type=Path, required=True, help="folder of sarenv_02.json and the others")
-    parser.add_argument(
-        "--only", nargs="*", default=["patterns", *PLANNERS], help="patterns router cells legs legs-edged"
-    )
+    parser.add_argument("--only", nargs="*", default=["patterns", *PLANNERS], help=" ".join(["patterns", *PLANNERS]))
     parser.add_argument("--pitches", nargs="*", default=["true", "90"], help="metres, or true for twice the radius")
     parser.add_argument("--rows", type=int, nargs="*", default=[0, 7], help="of cells across the swath, for legs")
     parser.add_argument("--drones", type=int, nargs="*", default=[1, 3, 5])
@@ -71,7 +72,7 @@ def rows(scenario: Sarenv, drones: int, metres: float, given: argparse.Namespace
             yield from _row(scenario, drones, metres, name, ("", "", str(seed)), fly)
     for name, planner in PLANNERS.items():
         for cut, told in _cuts(scenario, name, given) if name in given.only else ():
-            for seed in range(given.seeds):
+            for seed in range(1 if name in MANUALS else given.seeds):
                 fly = lambda planner=planner, cut=cut, seed=seed: planner(  # noqa: E731
                     scenario, drones, metres, cut, given.seconds, seed
                 )
@@ -84,12 +85,16 @@ PLANNERS: dict[str, Callable[..., Ways]] = {
     "cells": walk,
     "legs": fly_legs,
     "legs-edged": partial(fly_legs, law="edged"),
+    **{name: partial(fly_legs, pattern=name) for name in MANUALS},
 }
 
 
 def _cuts(scenario: Sarenv, name: str, given: argparse.Namespace) -> Iterator[tuple[float, str]]:
     """What a planner sees of the ground, and the metres between its nodes or cells."""
     across = 2 * scenario.radius_m
+    if name in MANUALS:
+        yield MANUAL_ROWS, f"{across / MANUAL_ROWS:.2f}"
+        return
     if name.startswith("legs"):
         for rows in given.rows:
             yield rows, f"{across / rows if rows else scenario.cell_m:.2f}"

@@ -7,6 +7,7 @@ import multiprocessing
 import os
 import signal
 import sys
+import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -94,15 +95,26 @@ def _in_order(pool: ProcessPoolExecutor, seeds: range, workers: int) -> Iterator
 
 @contextmanager
 def _deaf() -> Iterator[None]:
-    """Let signals wait; processes that begin meanwhile never hear them."""
+    """Let signals wait; processes that begin meanwhile never hear them.
+
+    Another thread may still be handed one, of which Python tells the main thread: that, too, is told later. A process
+    whose beginning is interrupted half way has nothing to begin with, and says so.
+    """
     if sys.platform == "win32":
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
+    ends, heard = (signal.SIGINT, signal.SIGTERM), []
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ends)
+    main = threading.current_thread() is threading.main_thread()
+    handlers = {number: signal.signal(number, lambda told, _: heard.append(told)) for number in ends if main}
     try:
         yield
     finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    if heard:
+        signal.raise_signal(heard[0])
 
 
 def _begin(work: Callable[[int], Any], parent: int) -> None:
