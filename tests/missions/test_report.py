@@ -16,6 +16,7 @@ from sooner.missions.flight_plans import flights
 from sooner.missions.report import make_report
 from sooner.missions.report.compared import patterns
 from sooner.missions.report.places import richest
+from sooner.missions.report.words import clock
 from sooner.planners import Status, max_ticks, solve
 from sooner.planners.registry import make_planner
 from sooner.problem import Plan, evaluate
@@ -141,8 +142,24 @@ def test_a_sheet_of_a_battery_says_what_is_left_of_it(reports):
     left = round(1500 - first.airborne_s)
     assert f"lasts 25:00; {left // 60}:{left % 60:02d} of it is left at landing" in text
     assert "5:00 of it, which no plan uses" in text
-    assert [sheet.departs_s for sheet in report.sheets[::2]] == [0.0, 0.0]
-    assert report.sheets[1].departs_s == pytest.approx(flights(report.score).plans[1].departs_s)
+    assert [sheet.departs_s for sheet in report.sheets] == [plan.departs_s for plan in flights(report.score).plans]
+    assert first.departs_s == 0.0
+
+
+@pytest.mark.usefixtures("no_patterns")
+def test_who_waits_for_others_takes_off_later_on_its_sheet_too(tmp_path):
+    path = leg_mission(tmp_path, 3, more="[separation]\nhorizontal_m = 60\n")
+    report = make_report(there_and_back(path, *[[[200, 900], [800, 900]]] * 3), 0.1)
+    told = flights(report.score)
+    departs = [sheet.departs_s for sheet in report.sheets]
+    assert departs == [plan.departs_s for plan in told.plans] == list(told.separation.delays_s)
+    assert 0.0 == departs[0] < departs[1] < departs[2]
+    assert [sheet["departs_s"] for sheet in report.result()["sheets"]] == departs
+    assert report.later_s == pytest.approx(told.separation.ends_s - told.separation.planned_s)
+    text = read_page(report.html()).text
+    for seconds in departs:
+        assert text.count(f"T + {clock(seconds)}") >= 2  # in the table of flights and on the sheet
+    assert f"{clock(report.score.evaluation.times[-1] + departs[2])}, 3 flights, all at their ends" in text
 
 
 def test_bearings_are_those_of_the_map(reports):

@@ -45,7 +45,7 @@ def _answer(report: Report) -> Iterator[Html]:
 def _in_short(report: Report) -> Iterator[tuple[str, object]]:
     score, mission, unit = report.score, report.score.mission, report.score.mission.sight.unit
     yield from _proved(report)
-    lasts = [when(float(score.evaluation.times[-1]), mission.unit_s)]
+    lasts = [when(float(score.evaluation.times[-1]) + report.later_s / (mission.unit_s or 1.0), mission.unit_s)]
     flown = sum(sheet.flies for sheet in report.sheets)
     if flown > 1:
         lasts.append(f"{flown} flights, all at their ends by then")

@@ -45,6 +45,13 @@ class Report:
         """Share of the bound that a better plan could win at most; None where nothing is proved."""
         return None if self.bound is None else finite(gap(self.score.evaluation.value, self.bound.value))
 
+    @property
+    def later_s(self) -> float:
+        """How much longer than the judge counts the last flight takes, as take-offs wait for others."""
+        flown = [sheet for sheet in self.sheets if sheet.flies]
+        planned = max((sheet.legs_end_s - sheet.waits_s for sheet in flown), default=0.0)
+        return max((sheet.legs_end_s for sheet in flown), default=0.0) - planned
+
     def result(self) -> dict[str, Any]:
         """One JSON object: the score's, and what the report adds."""
         bound = self.bound
@@ -74,6 +81,7 @@ def _told(sheet: Sheet) -> dict[str, Any]:
         "waypoints": len(sheet.stops),
         "length_m": sheet.length_m,
         "departs_s": sheet.departs_s,
+        "waits_s": sheet.waits_s,
         "duration_s": sheet.flying_s,
         "airborne_s": sheet.airborne_s,
     }

@@ -60,7 +60,8 @@ class Sheet:
     stops : of Stop                     the first where its legs begin
     flight : FlightPlan or None         as exported; None where the map has no place on the globe
     sortie : Sortie or None             along legs
-    departs_s : float                   take-off, since the search began
+    departs_s : float                   take-off, since the search began, as its file says
+    waits_s : float                     of that, so that it keeps apart from others: no plan counts it
     flying_s : float or None            on legs, by the plan; without a way home that is not planned
     notes : of str                      what whoever flies it should know
     """
@@ -70,6 +71,7 @@ class Sheet:
     flight: FlightPlan | None
     sortie: Sortie | None
     departs_s: float
+    waits_s: float
     flying_s: float | None
     notes: tuple[str, ...]
 
@@ -91,6 +93,11 @@ class Sheet:
         return self.flying_s + (0.0 if self.sortie is None else self.sortie.takeoff_s + self.sortie.landing_s)
 
     @property
+    def legs_end_s(self) -> float:
+        """When it has flown its last leg, since the search began."""
+        return self.departs_s + (0.0 if self.sortie is None else self.sortie.takeoff_s) + (self.flying_s or 0.0)
+
+    @property
     def path(self) -> Floats:
         """(n, 2) float: its places, metres east and north."""
         return np.array([stop.metres for stop in self.stops])
@@ -107,16 +114,17 @@ def _sheet(score: Score, number: int, line: Line, told: Flights | None) -> Sheet
     sortie = mission.sorties[number] if mission.sorties else None
     moves = mission.problem.searchers[number].moves
     begins = moves.departs_s if isinstance(moves, LegMoves) else 0.0
-    departs = max(begins - (0.0 if sortie is None else sortie.takeoff_s), 0.0)
+    departs, waits = max(begins - (0.0 if sortie is None else sortie.takeoff_s), 0.0), 0.0
     if told is not None:
         plan = told.plans[number]
+        departs, waits = plan.departs_s, 0.0 if told.separation is None else told.separation.delays_s[number]
         notes = (*told.own[number], *told.shared)
         stops, flying = _of_flight(score, number, plan), plan.duration_s
     else:
         plan, notes = None, ()
         stops = _of_line(score, line, begins)
         flying = None if score.durations is None else score.durations[number]
-    return Sheet(name_of(mission, number), stops, plan, sortie, departs, flying, notes)
+    return Sheet(name_of(mission, number), stops, plan, sortie, departs, waits, flying, notes)
 
 
 def _of_flight(score: Score, number: int, plan: FlightPlan) -> tuple[Stop, ...]:
