@@ -12,7 +12,7 @@ import shapely
 from sooner.errors import DataFormatError
 from sooner.io.flights.aircraft import Aircraft
 from sooner.io.flights.qgroundcontrol import qgroundcontrol_plan
-from sooner.missions import score_plan
+from sooner.missions import read_mission, score_plan
 from sooner.missions.chances import chances
 from sooner.missions.exported import export
 from sooner.missions.flight_plans import flights
@@ -63,7 +63,8 @@ def test_a_drone_with_one_battery_is_called_by_its_number_alone(tmp_path):
 @pytest.mark.parametrize("wind", ["", WIND])
 @pytest.mark.parametrize("end", ["", 'end = "farm"\n'])
 def test_they_take_what_the_judge_says(tmp_path, hilly, wind, end):
-    score = there_and_back(leg_mission(tmp_path, 1, 2, hilly, wind, searcher=end), ROUND, FAR)
+    drones, batteries = (2, 1) if end else (1, 2)
+    score = there_and_back(leg_mission(tmp_path, drones, batteries, hilly, wind, searcher=end), ROUND, FAR)
     told = flights(score)
     assert len(told.plans) == 2
     for plan, seconds in zip(told.plans, score.durations, strict=True):
@@ -216,6 +217,25 @@ def test_a_camera_keeps_the_flight_slow_enough(tmp_path):
     vehicle = score.mission.sorties[0].vehicle
     (plan,) = flights(score).plans
     assert plan.speed_mps == vehicle.cruise_mps(60.0) < 12.0
+
+
+def test_a_drone_without_a_camera_does_not_see_with_another_ones(tmp_path):
+    seeing = VEHICLE + "[camera]\nfov_deg = 60.0\npixels = 6000\nexposure_s = 0.00032\n"
+    path = leg_mission(tmp_path, drones=2, vehicle=seeing)
+    (tmp_path / "blind.toml").write_text(VEHICLE)
+    blind = 'vehicle = "blind.toml"'.join(path.read_text().rsplit('vehicle = "vehicle.toml"', 1))
+    path.write_text(blind.replace("radius_m = 60.0", ""))
+    with pytest.raises(DataFormatError, match=r"searcher\[1\].vehicle: blind.toml without \[camera\] came beside one"):
+        read_mission(path)
+    path.write_text(blind)
+    assert len(read_mission(path).problem.searchers) == 2
+
+
+def test_batteries_are_changed_where_the_drone_starts(tmp_path):
+    there = leg_mission(tmp_path, batteries=2, searcher='end = "farm"\n')
+    with pytest.raises(DataFormatError, match=r"searcher\[0\].end: a place other than the start came beside 2 batt"):
+        read_mission(there)
+    assert len(read_mission(leg_mission(tmp_path, batteries=2, searcher='end = "launch"\n')).problem.searchers) == 2
 
 
 # ---------------------------------------------------------------- how it ends

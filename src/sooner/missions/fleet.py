@@ -110,6 +110,12 @@ class Fleet:
                 seen = None if vehicle is None else vehicle.radius_m(self.altitudes[number])
                 if seen is not None:
                     told.append((f"searcher[{number}].vehicle", seen))
+            for number, vehicle in enumerate(self.vehicles if told else ()):
+                name = self.settings.searcher[number].vehicle
+                if (vehicle is None and name is None) or (vehicle is not None and vehicle.camera is None):
+                    came = "a drone without a vehicle file" if name is None else f"{name} without [camera]"
+                    expected = "expected a camera in every drone's vehicle file, or sensor.radius_m"
+                    self.faults.add(f"searcher[{number}].vehicle", f"{came} came beside one that has it", expected)
             if len({radius for _, radius in told}) > 1:
                 came = ", ".join(f"{radius:.4g} m by {key}" for key, radius in told)
                 self.faults.add(

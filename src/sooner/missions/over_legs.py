@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from math import hypot
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ __all__ = ["OverLegs"]
 
 SMOOTHED_CELLS = 2  # of elevation, over which the height that is flown is smoothed
 MOST_SORTIES = 100
+SAME_M = 1.0  # within which two places are one
 
 Metres = tuple[float, float]
 
@@ -219,6 +221,9 @@ class OverLegs:
                 continue
             pace, home = self.fleet.pace(number, self._wind, self.terrain), self._exactly(said.start, start)
             goal = None if end is None else self._exactly(said.end, end)
+            if goal is not None and said.batteries > 1 and hypot(goal[0] - home[0], goal[1] - home[1]) > SAME_M:
+                came = f"a place other than the start came beside {said.batteries} batteries"
+                self.faults.add(f"searcher[{number}].end", came, "expected the start, where batteries are; or one")
             for sortie, budget_s, departs_s in flights:
                 lands = goal if goal is not None or sortie.vehicle is None else home
                 found = self._searcher(number, budget_s, home, lands, pace, swath, departs_s)
