@@ -91,6 +91,8 @@ def tell_left(score: Score) -> None:
 def tell_early(score: Score) -> None:
     """When it comes in."""
     mission, evaluation = score.mission, score.evaluation
+    if not evaluation.total > 0:
+        return
     if mission.sight.unit != "bits":
         print(f"  expected time, if it finds          {times(mission, evaluation.mean_time_if_found)}")
     if mission.sight.unit == "probability":

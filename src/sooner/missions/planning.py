@@ -210,10 +210,14 @@ def plan_mission(
 def _brought_forward(problem: SearchProblem, solution: Solution, seconds: float) -> tuple[Solution, Evaluation | None]:
     """The solution with its plan brought forward, and what the plan was before; None where nothing was gained."""
     from sooner.planners.leg_early import earlier_within
+    from sooner.planners.leg_tidy import tidied
     from sooner.planners.region_early import brought_forward_within
 
     plan = solution.best.plan
-    early = (earlier_within if moves_of(problem) == "legs" else brought_forward_within)(problem, plan, seconds)
+    if moves_of(problem) == "legs":
+        early = earlier_within(problem, tidied(problem, plan), seconds)
+    else:
+        early = brought_forward_within(problem, plan, seconds)
     if early == plan:
         return solution, None
     best = replace(solution.best, plan=early, value=evaluate(problem, early).value)

@@ -357,9 +357,9 @@ class Wish(_Table):
     )
     early: bool | None = Field(
         default=None,
-        description="over regions: give up at most 0.5 % of the total to have the rest sooner; along legs: fly the "
-        "same legs earlier. Left out: so for detection, as a find counts when it is made; not for information, which "
-        "is read after the flight",
+        description="over regions: give up at most 0.5 % of the total to have the rest sooner; along legs: give "
+        "up at most 0.1 % for fewer places, and fly the same legs earlier. Left out: so for detection, as a find "
+        "counts when it is made; not for information, which is read after the flight",
     )
 
 
