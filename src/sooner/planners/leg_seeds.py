@@ -87,6 +87,8 @@ class _Lanes:
         offset, run = centres @ across, centres @ along
         lanes = np.arange(ceil((np.ptp(offset) + grid.cell_m) / spacing))
         first = offset.min() + (np.ptp(offset) - (len(lanes) - 1) * spacing) / 2
+        if moves.swath.law == "seen":  # over centres of cells, where lanes run along rows
+            first = round(first / grid.cell_m) * grid.cell_m
         steps = np.arange(run.min(), run.max() + spacing / 2, spacing / 2)
         places = (first + lanes * spacing)[:, None, None] * across + steps[None, :, None] * along
         places = places_of(place_numbers(places.reshape(-1, 2)))
@@ -122,8 +124,10 @@ def lattice_routes(ground: LegGround, angle: float, pitch: float, rng: Generator
     """
     east_north = ground.problem.grid.centres_m
     east, north = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
-    moves = ground.moves[0]
-    off = east_north - np.array(moves.home)
+    moves, origin = ground.moves[0], np.array(ground.moves[0].home)
+    if moves.swath.law == "seen":
+        origin = np.rint(origin / ground.problem.grid.cell_m) * ground.problem.grid.cell_m
+    off = east_north - origin
     cols, rows = np.rint(off @ east / pitch).astype(int), -np.rint(off @ north / pitch).astype(int)
     near = ground.within_reach
     if not near.any():
@@ -133,7 +137,7 @@ def lattice_routes(ground: LegGround, angle: float, pitch: float, rng: Generator
     if shape[0] * shape[1] > MOST_LATTICE:
         return [ground.least(number) for number in range(len(ground.moves))]
     node_rows, node_cols = np.divmod(np.arange(shape[0] * shape[1]), shape[1])
-    nodes = np.array(moves.home) + pitch * ((node_cols + west)[:, None] * east - (node_rows + top)[:, None] * north)
+    nodes = origin + pitch * ((node_cols + west)[:, None] * east - (node_rows + top)[:, None] * north)
     mass = np.bincount(
         (rows[near] - top) * shape[1] + cols[near] - west, ground.poc[near], minlength=shape[0] * shape[1]
     )
@@ -196,6 +200,12 @@ def _corners(points: Route) -> Route:
     return kept
 
 
+def _counted_m(ground: LegGround, width: float) -> float:
+    """How wide a lane over centres of cells counts, where cells are seen by their centres; else the width."""
+    swath, cell_m = ground.moves[0].swath, ground.problem.grid.cell_m
+    return (2 * int(swath.radius_m / cell_m) + 1) * cell_m if swath.law == "seen" else width
+
+
 def _is_enough(ground: LegGround, width: float) -> bool:
     """Whether the sorties are long enough to sweep all the ground that pays, if no metre were flown twice."""
     flown_m = sum(each.pace.speed_mps * budget for each, budget in zip(ground.moves, ground.budgets, strict=True))
@@ -211,7 +221,8 @@ def _gapless(ground: LegGround, rng: Generator) -> list[Route]:
 def first_routes(ground: LegGround, rng: Generator) -> Iterator[list[Route]]:
     """One set of first routes after another, the quickest to find first."""
     width = max(ground.moves[0].swath.width_m, ground.problem.grid.cell_m)
-    for apart in (width, WIDER * width):
+    counted = _counted_m(ground, width)
+    for apart in (counted, width) if counted > width else (width, WIDER * width):
         for angle in (0.0, pi / 2, pi / 4, 3 * pi / 4):
             yield lane_routes(ground, angle, apart)
     for apart, sense in ((width, 1.0), (width, -1.0), (OVERLAPPED * width, 1.0)):
@@ -222,5 +233,5 @@ def first_routes(ground: LegGround, rng: Generator) -> Iterator[list[Route]]:
         yield _gapless(ground, rng)
     if max(each.pace.speed_mps**2 / each.pace.accel_mps2 for each in ground.moves) > width / 2:
         return  # at every corner a drone loses more than it sees between two of them
-    for angle in (0.0, pi / 4):
-        yield lattice_routes(ground, angle, width, rng)
+    for angle, pitch in dict.fromkeys(((0.0, counted), (0.0, width), (pi / 4, width))):
+        yield lattice_routes(ground, angle, pitch, rng)
