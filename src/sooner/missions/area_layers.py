@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import ceil, radians, tan
+from math import ceil, cos, pi, radians, tan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -233,7 +233,8 @@ def real_area(faults: Faults, settings: Settings, ground: Ground) -> RealArea:
 
     frame, sketch = ground.frame, ground.sketch
     zones = [frame.moved(zone) for zone in sketch.zones]
-    zones += [frame.moved(each.geometry).buffer(each.radius_m, DISC_CORNERS) for each in sketch.circles]
+    around = 1.0 / cos(pi / (4 * DISC_CORNERS))  # so that the polygon holds the circle
+    zones += [frame.moved(each.geometry).buffer(each.radius_m * around, DISC_CORNERS) for each in sketch.circles]
     no_fly = shapely.union_all([_whole(zone) for zone in zones]) if zones else shapely.MultiPolygon()
     places = {name: frame.metres([[lat, lon]])[0] for name, (lon, lat) in sketch.points.items()}
     points = {name: (float(place[0]), float(place[1])) for name, place in places.items()}
