@@ -195,7 +195,10 @@ def reference_page() -> str:
         "takes `cell_m / speed_mps` (on `square8` the length of a diagonal counts for every step, so that no flight "
         "takes longer than it says), and the budget is the steps that fit. Flight is level and at constant speed; "
         "turns cost no time in this version. Over regions seconds are those of a drone that speeds up, brakes and "
-        "turns within its limits: no flight takes longer than its plan says. Over waypoints all look, and targets take "
+        "turns within its limits: no flight takes longer than its plan says. Along legs likewise: a drone stops where "
+        "it turns, and `[wind]` and climbs over `elevation` take their time; with a `vehicle` each battery lasts its "
+        "endurance less reserve, climbing and landing, the next begins after `swap_s`, and `seconds`, if there, ends "
+        "the whole search. Over waypoints all look, and targets take "
         "a step, once a second."
     )
     parts.append(
@@ -203,6 +206,11 @@ def reference_page() -> str:
         "cells are independent and total nothing: detection is the number of targets expected to be found. Information "
         "is what the looks are expected to teach, in bits, over either; over `poc` each cell is taken by itself, and a "
         "yes never errs.\n\n"
+        "Along legs `sweep_width_m` by the exponential law is the effort of search theory: legs L over ground A are a "
+        "coverage C = W L / A, and POD = 1 - exp(-C), as if the effort lay at random within the radius. One straight "
+        "leg alone therefore finds less than a sure strip of width W: as much as one of 0.62 W where `radius_m` is left out "
+        "(W / 2), 0.77 W where it is W, 0.92 W where it is 3 W. Who knows a strip in which everybody is seen writes "
+        "`radius_m`, half of its width, and no `sweep_width_m`.\n\n"
         "What other combinations mean nobody has said, and they are refused: a target CDP over "
         "evidence or in bits, false alarms over `poc`, correlated looks but for detection over `poc`."
     )
@@ -216,8 +224,8 @@ def reference_page() -> str:
         "of a cell shuts it. The notes of a plan say how true the metres are. Over cells and regions drones enter "
         "cells that lie wholly in `flight_area`, else the area, off `no_fly` and their margins. "
         '"No data" counts as 0 in `poc` and `evidence` and as '
-        "free ground in `obstacles`. Files that aircraft fly (`sooner export`, `sooner plan --format`) need the "
-        "georeference of `poc` or `evidence`."
+        "free ground in `obstacles`. Files that aircraft fly (`sooner export`, `sooner plan --format`) need a "
+        "georeference: of `poc` or `evidence`, or of an area that is drawn."
     )
     parts.append(_STREETS.strip())
     return "\n\n".join(parts) + "\n"

@@ -254,18 +254,20 @@ class Sensor(_Table):
     )
     sweep_width_m: Metres | str | None = Field(
         default=None,
-        description="along legs, instead of `glimpse`: sweep width W in metres, a number or a raster; effort adds up "
-        "to a coverage C, and POD = 1 - exp(-C)",
+        description="along legs, instead of `glimpse`: sweep width W of search theory in metres, a number or a "
+        "raster; coverage C = W L / A of legs L over ground A adds up, and POD = 1 - exp(-C), as for effort laid at "
+        "random; one straight leg alone finds less, see below",
     )
     law: Literal["exponential", "inverse_cube"] | None = Field(
         default=None,
-        description="of `sweep_width_m`: `exponential`, alike for each metre in view, if left out; `inverse_cube`: "
-        "falling off with the cube of the distance",
+        description="of `sweep_width_m`: `exponential`, alike for each metre in view, if left out, within `radius_m`, "
+        "else W / 2; `inverse_cube`: falling off with the cube of the distance, within `radius_m`, else 3 W",
     )
     radius_m: Metres | None = Field(
         default=None,
-        description="over regions: cells with centres so near to the path are looked at (or `camera`); over waypoints: "
-        "all cells with centres so near are looked at every second",
+        description="over regions: cells with centres so near to the path are looked at (or `camera`); along legs: the "
+        "ground so near to the line is (or `camera`, here or in the vehicle file); over waypoints: all cells with "
+        "centres so near are looked at every second",
     )
     map_sensitivity: Sensitivity = Field(
         default=4.0,
@@ -278,7 +280,7 @@ class Sensor(_Table):
         default=25, description="over waypoints: how many different answers a look can give"
     )
     camera: CameraSettings | None = Field(
-        default=None, description="over regions, instead of `radius_m`: a table, as below"
+        default=None, description="over regions and along legs, instead of `radius_m`: a table, as below"
     )
     range_m: Metres | None = Field(
         default=None, description="over regions: how far ahead obstacles are seen; no faster than stops within it"
@@ -315,11 +317,12 @@ class Searching(_Table):
         description="metres a second; over cells the same for all, turns steps into seconds; else the most",
     )
     accel_mps2: Speed | None = Field(
-        default=None, description="over regions and waypoints: the most, metres a second squared"
+        default=None, description="over regions, legs and waypoints: the most, metres a second squared"
     )
     altitude_m: Altitude | None = Field(
         default=None,
-        description="at which an exported flight is flown, above where it takes off; left out: the camera's, or 60",
+        description="at which an exported flight is flown, above where it takes off; along legs above the ground, as "
+        "`elevation` tells it; left out: the camera's, or 60",
     )
     radius_m: Metres | None = Field(default=None, description="over waypoints: its own, instead of the sensor's")
     map_sensitivity: Sensitivity | None = Field(default=None, description="over waypoints: likewise")
@@ -334,7 +337,8 @@ class Budget(_Table):
     )
     seconds: Positive | None = Field(
         default=None,
-        description="flying time; needs `cell_m` and `speed_mps`, over regions `accel_mps2` too; over waypoints whole",
+        description="flying time; needs `cell_m` and `speed_mps`, over regions and legs `accel_mps2` too, or a "
+        "`vehicle`; along legs of the whole search, batteries changed and all; over waypoints whole",
     )
     replan_s: Annotated[int, Field(strict=True, ge=1)] | None = Field(
         default=None, description="over waypoints: seconds from one plan to the next, 5 if left out"

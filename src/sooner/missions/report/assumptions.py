@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import pi
 
 from sooner.belief import BetaGrid
 from sooner.missions.mission_file import Mission
@@ -65,7 +66,12 @@ def _sensor(mission: Mission) -> Iterator[str]:
         swath = moves.swath
         half = mission.problem.grid.cell_m / 2 if swath.law == "edged" else 0.0  # counted in, for cells at the edge
         yield f"The sensor reaches {swath.radius_m - half:.3g} m to each side of the line: {LAWS[swath.law]}."
-        yield f"Its sweep width is {moves.swath.width_m:.3g} m where it sees best."
+        strip = f"One straight leg finds as many as a strip of {swath.width_m:.3g} m in which nobody is missed"
+        if sensor.sweep_width_m is not None:
+            best = float(swath.strength.max()) * (1.0 if swath.law == "cube" else pi * swath.radius_m**2)
+            laid = "" if swath.law == "cube" else ": effort as if laid at random, coverage W L / A"
+            yield f"Its sweep width W is {best:.3g} m where it sees best{laid}."
+        yield f"{strip}, where the sensor sees best."
     elif sensor.radius_m is not None:
         yield f"The sensor reaches {sensor.radius_m:g} m to each side of the line."
     elif sensor.camera is None:
