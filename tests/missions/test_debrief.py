@@ -2,6 +2,8 @@
 
 import json
 import tomllib
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,7 @@ from sooner.errors import DataFormatError, ImpossibleObservationError, Unsupport
 from sooner.io import Folder, read_raster
 from sooner.missions import read_mission, score_plan
 from sooner.missions.debrief import debrief
+from sooner.missions.debrief_again import digest
 from sooner.missions.debrief_next import Searched, toml
 from sooner.planners import max_ticks, solve
 from sooner.planners.registry import DEFAULT, make_planner
@@ -69,7 +72,7 @@ def test_pos_adds_up_over_debriefs(ridge, tmp_path):
     first.write(Folder(tmp_path / "first"))
     following = read_mission(tmp_path / "first" / "next" / "mission.toml")
     second = debrief(following, [two])
-    assert second.searched == Searched("Ridge", first.found, 1)
+    assert second.searched == Searched("Ridge", first.found, 1, (digest(one),))
     assert first.found + (1.0 - first.found) * second.found == pytest.approx(both.found, rel=1e-6)
     assert second.so_far.pos == pytest.approx(both.found, rel=1e-6)
     np.testing.assert_allclose(second.after, both.after, rtol=1e-5)
@@ -78,6 +81,33 @@ def test_pos_adds_up_over_debriefs(ridge, tmp_path):
     third = read_mission(tmp_path / "second" / "next" / "mission.toml")
     assert third.name == "Ridge, after 2 flights"
     np.testing.assert_allclose(third.belief.poc, both.after, rtol=1e-5)
+
+
+def test_a_track_that_comes_again_is_counted_once(ridge, tmp_path):
+    mission = ridge()
+    one, two = along([[3, 3], [3, 12], [6, 12]]), along([[6, 12], [3, 12], [3, 8], [10, 3]])
+    once, twice = debrief(mission, [one]), debrief(mission, [one, replace(one, name="Team 4", source="copy.gpx")])
+    assert twice.found == once.found
+    np.testing.assert_array_equal(twice.after, once.after)
+    assert [note for note in twice.notes if note not in once.notes] == [
+        "copy.gpx: a track (Team 4) has the places and times of one in flown.gpx; it is counted once"
+    ]
+    twice.write(Folder(tmp_path / "out"))
+    following = read_mission(tmp_path / "out" / "next" / "mission.toml")
+    with pytest.raises(DataFormatError, match=r"flown.gpx: no track came but those .* counted; expected a flight that"):
+        debrief(following, [one])
+    both = debrief(following, [one, two])
+    assert both.so_far.flights == 2
+    assert both.found == debrief(following, [two]).found
+    assert any("was counted in a debrief before this one" in note for note in both.notes)
+
+
+def test_the_same_way_at_another_time_is_another_flight(ridge):
+    track = replace(
+        along([[3, 3], [3, 12]]), times_s=np.array([0.0, 20.0]), started=datetime(2026, 5, 3, 12, tzinfo=UTC)
+    )
+    later = replace(track, started=datetime(2026, 5, 3, 13, tzinfo=UTC))
+    assert debrief(ridge(), [track, later]).so_far.flights == 2
 
 
 def annealed(mission):
@@ -236,7 +266,14 @@ def test_where_targets_come_and_go_there_is_no_debrief(ridge):
 
 
 @pytest.mark.parametrize(
-    "said", ["{", "[]", '{"mission": "mission.toml", "name": "a", "pos": 1.5, "flights": 1}', "9" * 5000]
+    "said",
+    [
+        "{",
+        "[]",
+        '{"mission": "mission.toml", "name": "a", "pos": 1.5, "flights": 1}',
+        "9" * 5000,
+        '{"mission": "mission.toml", "name": "a", "pos": 0.5, "flights": 1, "tracks": [1]}',
+    ],
 )
 def test_what_was_searched_is_read_with_care(tmp_path, said):
     mission = read_mission(located(tmp_path, over_cells(HOME), hills()))

@@ -20,6 +20,7 @@ from sooner.io.georeference import Georeference
 from sooner.io.geotiff import geotiff
 from sooner.io.tracks import Track
 from sooner.missions.chances import LAYERS, pod_by_cell
+from sooner.missions.debrief_again import digest, sole
 from sooner.missions.debrief_looks import Flown, flown
 from sooner.missions.debrief_next import MISSION, Searched, next_files
 from sooner.missions.debrief_plan import Compared, compared, gaps_geojson
@@ -119,7 +120,8 @@ class Debrief:
     @property
     def so_far(self) -> Searched:
         """With all flights before: POS adds up."""
-        return self.searched.and_then(self.found if self.mission.belief is not None else 0.0, len(self.tracks))
+        found = self.found if self.mission.belief is not None else 0.0
+        return self.searched.and_then(found, len(self.tracks), tuple(digest(each.track) for each in self.tracks))
 
     @cached_property
     def compared(self) -> Compared | None:
@@ -212,7 +214,7 @@ def _told(each: Flown, adds: float) -> dict[str, Any]:
 
 
 def debrief(mission: Mission, tracks: Sequence[Track], plan: Score | None = None) -> Debrief:
-    """What tracks have searched of a mission on which nobody was found.
+    """What tracks have searched of a mission on which nobody was found; one that comes again is counted once.
 
     Parameters
     ----------
@@ -222,7 +224,8 @@ def debrief(mission: Mission, tracks: Sequence[Track], plan: Score | None = None
 
     Raises
     ------
-    DataFormatError           if the mission has no place on the globe, or no track looks at anything of it
+    DataFormatError           if the mission has no place on the globe, no track looks at anything of it, or
+                              all of them were counted before
     UnsupportedProblemError   where targets come and go, and nobody is found
     ImpossibleObservationError  if the person would have been found for sure
     """
@@ -232,8 +235,14 @@ def debrief(mission: Mission, tracks: Sequence[Track], plan: Score | None = None
     if len(tracks) > MOST_FLIGHTS:
         came, expected = f"{len(tracks):,} flights came", f"expected at most {MOST_FLIGHTS:,} in one debrief"
         raise DataFormatError(Fault(tracks[0].source, "", came, expected))
-    found = tuple(flown(mission, ground, track) for track in tracks)
-    judged = Debrief(mission, ground, found, searched, plan, _notes(mission, found))
+    kept, again = sole(tracks, searched.tracks)
+    if tracks and not kept:
+        files = ", ".join(dict.fromkeys(track.source for track in tracks))
+        came = "no track came but those that debriefs before this one counted"
+        expected = f"expected a flight that {mission.path} does not know of yet"
+        raise DataFormatError(Fault(files, "", came, expected))
+    found = tuple(flown(mission, ground, track) for track in kept)
+    judged = Debrief(mission, ground, found, searched, plan, (*again, *_notes(mission, found)))
     if not found or not judged.pod.any():
         lat, lon = ground.places([[(side - 1) / 2 for side in mission.problem.grid.shape]])[0]
         files = ", ".join(dict.fromkeys(each.track.source for each in found))

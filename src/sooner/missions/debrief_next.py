@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,8 @@ __all__ = ["MISSION", "SEARCHED", "Searched", "next_files"]
 
 MISSION, SEARCHED = "mission.toml", "searched.json"
 PRIORS = ("poc", "evidence", "segments", "last_known")  # keys of [area] that say where the person may be
-MOST_BYTES = 1_000_000
+MOST_BYTES = 64_000_000
+LONGEST = 64  # of a digest
 _EXPECTED = "expected what `sooner debrief` wrote there"
 
 
@@ -37,11 +38,13 @@ class Searched:
     name : str          of the first mission
     pos : float         probability of having found the person by then
     flights : int
+    tracks : of str     digests of those flights' tracks
     """
 
     name: str
     pos: float = 0.0
     flights: int = 0
+    tracks: tuple[str, ...] = field(default=(), repr=False)
 
     @classmethod
     def before(cls, mission: Mission) -> Searched:
@@ -55,10 +58,15 @@ class Searched:
         if not path.exists():
             return cls(mission.name)
         try:
-            said = json.loads(text_of(path, bytes_of(path, MOST_BYTES, "1 MB", _EXPECTED), _EXPECTED))
+            said = json.loads(text_of(path, bytes_of(path, MOST_BYTES, "64 MB", _EXPECTED), _EXPECTED))
             if said["mission"] != mission.path.name:
                 return cls(mission.name)
-            found = cls(str(said["name"]), float(said["pos"]), int(said["flights"]))
+            tracks = said.get("tracks", [])
+            if not (
+                isinstance(tracks, list) and all(isinstance(each, str) and len(each) <= LONGEST for each in tracks)
+            ):
+                raise ValueError(tracks)
+            found = cls(str(said["name"]), float(said["pos"]), int(said["flights"]), tuple(tracks))
             if not (0.0 <= found.pos < 1.0 and 0 <= found.flights < 1_000_000):
                 raise ValueError(said)
         except (ValueError, KeyError, TypeError, RecursionError, OverflowError) as error:
@@ -67,7 +75,7 @@ class Searched:
             raise DataFormatError(Fault(str(path), "", "it cannot be understood", _EXPECTED)) from None
         return found
 
-    def and_then(self, pos: float, flights: int) -> Searched:
+    def and_then(self, pos: float, flights: int, tracks: tuple[str, ...] = ()) -> Searched:
         """After more flights, which found the person with this probability if nobody had before.
 
         POS = POS_1 + (1 - POS_1) POS_2
@@ -75,7 +83,8 @@ class Searched:
         >>> Searched("Ridge", 0.5, 1).and_then(0.2, 2)
         Searched(name='Ridge', pos=0.6, flights=3)
         """
-        return Searched(self.name, self.pos + (1.0 - self.pos) * pos, self.flights + flights)
+        pos = self.pos + (1.0 - self.pos) * pos
+        return Searched(self.name, pos, self.flights + flights, (*self.tracks, *tracks))
 
 
 def next_files(
@@ -109,6 +118,7 @@ def next_files(
         del said["objective"]["detection_target"]
         notes.append(f"a CDP of {target:g} cannot be reached any more: the next mission asks for the most by the end")
     kept = {"mission": MISSION, "name": searched.name, "pos": searched.pos, "flights": searched.flights}
+    kept["tracks"] = list(searched.tracks)
     about = "probability that the person is there, after the flights so far"
     files = next_ground(mission, ground, said)
     files |= {
