@@ -19,8 +19,8 @@ from sooner.missions.flight_plans import flights
 from sooner.motion import Terrain
 from sooner.problem import Plan
 from sooner.problem.leg_moves import places_of
-from tests.missions.drawn import place, raster
-from tests.missions.leg_missions import VEHICLE, leg_mission, there_and_back
+from tests.missions.drawn import box, drawn, place, raster
+from tests.missions.leg_missions import AREA, LAUNCH, VEHICLE, leg_mission, there_and_back
 from tests.oracles.flown_file import Limits, fly_file
 
 ROUND = [[200, 900], [800, 900], [800, 100]]
@@ -236,6 +236,19 @@ def test_batteries_are_changed_where_the_drone_starts(tmp_path):
     with pytest.raises(DataFormatError, match=r"searcher\[0\].end: a place other than the start came beside 2 batt"):
         read_mission(there)
     assert len(read_mission(leg_mission(tmp_path, batteries=2, searcher='end = "launch"\n')).problem.searchers) == 2
+
+
+def test_ground_that_nothing_joins_to_a_start_is_told_with_its_share(tmp_path):
+    path = leg_mission(tmp_path)
+    two = [box(0, 0, 900, 600)["coordinates"], box(1200, 0, 1500, 600)["coordinates"]]
+    apart = {"type": "MultiPolygon", "coordinates": two}
+    drawn(tmp_path / "area.geojson", ("search", apart), ("launch", LAUNCH))
+    (note,) = [each for each in read_mission(path).notes if "no way leads" in each]
+    assert float(note.split("%")[0]) == pytest.approx(25.0, abs=0.5)  # 300 m of 900 m + 300 m, no-fly ground counted
+    path.write_text(path.read_text().replace("radius_m = 60.0", "radius_m = 400.0"))
+    assert 5.0 < float(next(each for each in read_mission(path).notes if "no way leads" in each).split("%")[0]) < 20.0
+    drawn(tmp_path / "area.geojson", ("search", AREA), ("launch", LAUNCH))
+    assert not [each for each in read_mission(path).notes if "no way leads" in each]
 
 
 # ---------------------------------------------------------------- how it ends

@@ -12,7 +12,7 @@ from sooner.errors import InvalidProblemError
 from sooner.grid import Grid
 from sooner.grid.airspace import Airspace
 from sooner.io.georeference import Georeference
-from sooner.missions.area_layers import check_seen
+from sooner.missions.area_layers import LEAST_TOLD, check_seen
 from sooner.missions.faults import Faults
 from sooner.missions.finer import finer, parts_for
 from sooner.missions.fleet import Fleet, Sortie
@@ -46,7 +46,7 @@ class OverLegs:
         self, faults: Faults, settings: Settings, layers: Layers, places: list[tuple[Place | None, Place | None]]
     ) -> None:
         self.faults, self.settings, self.layers, self.places = faults, settings, layers, places
-        self._finer_notes: tuple[str, ...] = ()
+        self._notes: tuple[str, ...] = ()
         self._check_keys()
         self.fleet = Fleet(faults, settings)
         self.radius_m = self.fleet.reach_m()
@@ -58,7 +58,7 @@ class OverLegs:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the user should know about how the file was understood."""
-        return self.fleet.notes + self._finer_notes
+        return self.fleet.notes + self._notes
 
     # ------------------------------------------------------------ what the file says
 
@@ -109,7 +109,7 @@ class OverLegs:
             check_seen(self.faults, self.settings, layers.area.polygon, reach if sure else widest / 2.0)
         parts = parts_for(reach, layers.cell_m, layers.shape[0] * layers.shape[1], sure)
         if parts > 1:
-            self._finer_notes += (
+            self._notes += (
                 f"cells of {layers.cell_m:g} m are cut into {parts} x {parts}, as looks reach {reach:.3g} m",
             )
         return finer(layers, parts)
@@ -234,6 +234,7 @@ class OverLegs:
             self.faults.add("searcher", f"{len(sorties)} sorties came", f"expected at most {MOST_SORTIES}")
         self._check_reach(searchers, sorties)
         self.faults.refuse()
+        self._notes += self._cut_off(searchers, grid, sight)
         self.sorties = tuple(sorties)
         problem = SearchProblem(grid, effort_gains(sight.theta), tuple(searchers), sight.objective)
         return problem
@@ -257,6 +258,25 @@ class OverLegs:
             if sortie.vehicle is not None and far_m / moves.pace.speed_mps > searcher.budget:
                 came = f"{far_m:.0f} m to the search area and back came, and {searcher.budget:.0f} s for it"
                 self.faults.once(key, came, "expected a nearer start, or a longer endurance_s")
+
+    def _cut_off(self, searchers: list[Searcher], grid: Grid, sight: Sight) -> tuple[str, ...]:
+        """How much lies on ground that drones could see from the airspace, but only where no way leads from a start."""
+        import shapely
+
+        moves = [each.moves for each in searchers if isinstance(each.moves, LegMoves)]
+        parts = shapely.get_parts(moves[0].airspace.free)
+        held = np.array([any(part.covers(shapely.Point(each.home)) for each in moves) for part in parts])
+        worth = np.asarray(sight.theta, np.float64).ravel()
+        cells = np.flatnonzero(worth > 0)
+        if held.all() or not len(cells):
+            return ()
+        places, sees_m = shapely.points(grid.centres_m[cells]), moves[0].swath.radius_m
+        joined, others = (shapely.MultiPolygon(list(parts[which])) for which in (held, ~held))
+        shapely.prepare([joined, others])
+        lost = shapely.dwithin(others, places, sees_m) & ~shapely.dwithin(joined, places, sees_m)
+        share = float(worth[cells[lost]].sum() / worth.sum())
+        told = f"{share:.1%} of the {sight.unit} on the map lies on ground to which no way leads from any start"
+        return (told,) if share > LEAST_TOLD else ()
 
     def _searcher(
         self,

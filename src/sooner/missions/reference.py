@@ -208,9 +208,9 @@ def reference_page() -> str:
         "yes never errs.\n\n"
         "Along legs `sweep_width_m` by the exponential law is the effort of search theory: legs L over ground A are a "
         "coverage C = W L / A, and POD = 1 - exp(-C), as if the effort lay at random within the radius. One straight "
-        "leg alone therefore finds less than a sure strip of width W: as much as one of 0.62 W where `radius_m` is left out "
-        "(W / 2), 0.77 W where it is W, 0.92 W where it is 3 W. Who knows a strip in which everybody is seen writes "
-        "`radius_m`, half of its width, and no `sweep_width_m`.\n\n"
+        "leg alone therefore finds less than a sure strip of width W: as much as one of 0.62 W where `radius_m` is "
+        "left out (W / 2), 0.77 W where it is W, 0.92 W where it is 3 W. Who knows a strip in which everybody is seen "
+        "writes `radius_m`, half of its width, and no `sweep_width_m`.\n\n"
         "What other combinations mean nobody has said, and they are refused: a target CDP over "
         "evidence or in bits, false alarms over `poc`, correlated looks but for detection over `poc`."
     )
