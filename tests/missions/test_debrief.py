@@ -18,6 +18,7 @@ from sooner.missions import read_mission, score_plan
 from sooner.missions.debrief import debrief
 from sooner.missions.debrief_again import digest
 from sooner.missions.debrief_next import Searched, toml
+from sooner.missions.debrief_plan import _large
 from sooner.planners import max_ticks, solve
 from sooner.planners.registry import DEFAULT, make_planner
 from sooner.problem import Plan
@@ -150,6 +151,23 @@ def test_a_plan_that_was_flown_has_no_gap_and_one_that_was_not_is_all_gap(ridge)
     assert elsewhere.share_flown == 0.0
     assert elsewhere.farthest_m == pytest.approx(24.0 * np.hypot(7, 8), rel=1e-3)
     np.testing.assert_allclose(DOLOMITES.cells([elsewhere.farthest_at]), [[10, 12]], atol=1e-3)
+
+
+def test_of_a_plan_that_flies_nothing_no_line_is_told(ridge, tmp_path):
+    mission = ridge()
+    told = debrief(mission, [along([[3, 3], [3, 12]])], score_plan(mission, Plan((np.array([3 * 16 + 3]),))))
+    said = told.write(Folder(tmp_path / "out"))["plan"]
+    assert (said["share_flown"], said["farthest_m"], said["farthest_at"]) == (None, None, None)
+
+
+def test_gaps_smaller_than_a_look_are_left_out(ridge):
+    mission = ridge()
+    short = np.zeros((12, 16), bool)
+    short[2, 3:6] = short[5:7, 4:7] = short[9, 9] = True
+    large = _large(mission.problem.grid, short.ravel(), 4 * 24.0**2).reshape(short.shape)
+    assert np.flatnonzero(large.any(axis=1)).tolist() == [5, 6]
+    assert large.sum() == 6
+    assert not _large(mission.problem.grid, np.zeros(192, bool), 1.0).any()
 
 
 def test_gaps_are_polygons_of_the_cells_that_were_missed(ridge, tmp_path):

@@ -139,6 +139,9 @@ def test_the_next_sortie_goes_where_the_last_one_did_not(files):
     pod = pod_by_cell(following.mission, following.looks)
     gap, over = (cells_at(following.mission, before, mask) for mask in (beside.missed, flown_over))
     assert beside.missed.sum() > 50
+    assert beside.least_m2 == pytest.approx(np.pi * 60.0**2)
+    assert min(gap.area_m2 for gap in beside.gaps) >= beside.least_m2
+    assert sum(gap.area_m2 for gap in beside.gaps) == pytest.approx(beside.gap_m2)
     assert pod[gap].mean() > 2.0 * pod[over].mean()
     assert told.found + (1 - told.found) * following.evaluation.total > beside.found
 

@@ -61,10 +61,12 @@ def _tell(found: Debrief, following: str | None, folder: Folder) -> None:
             print(
                 f"  with all {found.so_far.flights} flights so far            {percent(found.so_far.pos)}   POS so far"
             )
-        print(f"  never looked at                     {percent(found.remaining['never_looked'])}   of the probability")
-        print(f"  looked at, and missed               {percent(found.remaining['looked_but_missed'])}")
+        shares, before = found.remaining, "of the probability before"
+        print(f"  never looked at                     {percent(shares['never_looked'])}   {before}")
+        print(f"  looked at, and missed               {percent(shares['looked_but_missed'])}   {before}")
         if found.outside:
-            print(f"  now outside this map                {percent(found.outside)}")
+            print(f"  outside this map                    {percent(shares['outside'])}   {before}")
+            print(f"  outside this map                    {percent(found.outside)}   now")
     _tell_plan(found)
     print(f"files     {folder.path}")
     if following is not None:
@@ -86,9 +88,16 @@ def _tell_plan(found: Debrief) -> None:
         return
     poc = float(found.after.ravel()[beside.missed].sum())
     lat, lon = beside.farthest_at
-    print(f"  of the plan's line was flown        {percent(beside.share_flown)}")
+    if beside.share_flown is not None:
+        print(f"  of the plan's line was flown        {percent(beside.share_flown)}")
     if beside.found > 0:
         print(f"  of what the plan would find         {percent(found.found / beside.found)}")
-    print(f"  farthest from the plan              {beside.farthest_m:6.0f} m at {lat:.5f}, {lon:.5f}")
-    print(f"  gaps                                {beside.gap_m2 / 1e4:6.2f} ha in {len(beside.gaps)} places", end="")
-    print(f", where the person is with {percent(poc).strip()}" if beside.gaps and found.remaining is not None else "")
+    if beside.share_flown is not None:
+        print(f"  farthest from the plan              {beside.farthest_m:6.0f} m at {lat:.5f}, {lon:.5f}")
+    holds = f", where the person is now with {percent(poc).strip()}"
+    print(
+        f"  gaps                                {beside.gap_m2 / 1e4:6.2f} ha in {len(beside.gaps)} places"
+        + (holds if beside.gaps and found.remaining is not None else "")
+    )
+    if beside.slivers_m2:
+        print(f"  smaller than one look, left out     {beside.slivers_m2 / 1e4:6.2f} ha")

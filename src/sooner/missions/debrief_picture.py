@@ -23,7 +23,7 @@ def debrief_picture(debrief: Debrief) -> bytes:
         told.append(f"POS {debrief.found:.1%}, {debrief.so_far.pos:.1%} so far")
     else:
         told.append(f"{debrief.found:.3g} targets found, as expected")
-    if compared is not None:
+    if compared is not None and compared.share_flown is not None:
         told.append(f"{compared.share_flown:.0%} of the plan's line flown")
     maps = Maps(
         before=np.ravel(mission.sight.theta),

@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import pi
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sooner.grid import Grid
 from sooner.io.georeference import Georeference
 from sooner.missions.chances import pod_by_cell
 from sooner.missions.debrief_looks import Flown, reach_m
 from sooner.missions.flight_plans import flights
+from sooner.missions.mission_file import Mission
 from sooner.missions.score import Score
 from sooner.problem.leg_moves import LegMoves, places_of
 
@@ -56,21 +59,26 @@ class Compared:
     ----------
     score : Score                what the plan would have been worth
     found : float                likewise, by POD of each cell: to compare with that of the flight
-    share_flown : float          of the plan's line, that the flight came within half of how far looks reach of
+    share_flown : float or None  of the plan's line, that the flight came within half of how far looks reach of; None
+                                 where the plan flies nothing
     farthest_m : float           that the flight was off the plan's line, and
     farthest_at : (lat, lon)     where
     lines : of (n, 2) float      the plan's lines, metres of the map
-    missed : (N,) bool           cells whose POD is less than half of what was planned
+    missed : (N,) bool           cells whose POD is less than half of what was planned, in gaps of `least_m2` at least
+    least_m2 : float             ground that one look covers: pi R^2; over cells that of a cell
+    slivers_m2 : float           ground in gaps that are smaller, and left out
     gaps : of Gap                the same in pieces, those with the most probability first
     """
 
     score: Score
     found: float
-    share_flown: float
+    share_flown: float | None
     farthest_m: float
     farthest_at: tuple[float, float]
     lines: tuple[Floats, ...]
     missed: NDArray[np.bool_]
+    least_m2: float
+    slivers_m2: float
     gaps: tuple[Gap, ...]
 
     @property
@@ -83,11 +91,13 @@ class Compared:
         return {
             "found": self.found,
             "share_flown": self.share_flown,
-            "farthest_m": self.farthest_m,
-            "farthest_at": list(self.farthest_at),
+            "farthest_m": None if self.share_flown is None else self.farthest_m,
+            "farthest_at": None if self.share_flown is None else list(self.farthest_at),
             "gap_m2": self.gap_m2,
             "gap_poc": float(poc[self.missed].sum()),
             "gap_cells": int(self.missed.sum()),
+            "gap_least_m2": self.least_m2,
+            "slivers_m2": self.slivers_m2,
             "gaps": [gap.result() for gap in self.gaps[:100]],
         }
 
@@ -104,7 +114,9 @@ def compared(score: Score, ground: Georeference, tracks: Sequence[Flown], pod: F
     """
     mission = score.mission
     planned = pod_by_cell(mission, score.looks)
-    missed = (planned > 0.0) & (pod < MISSED * planned)
+    short = (planned > 0.0) & (pod < MISSED * planned)
+    least_m2 = _look_m2(mission)
+    missed = _large(mission.problem.grid, short, least_m2)
     lines = tuple(_lines(score, ground))
     pieces = [piece for each in tracks for piece in each.pieces]
     on_plan, (farthest_m, place) = _share(lines, pieces, NEAR * reach_m(mission)), _farthest(pieces, lines)
@@ -116,6 +128,8 @@ def compared(score: Score, ground: Georeference, tracks: Sequence[Flown], pod: F
         farthest_at=_on_globe(score, ground, place),
         lines=lines,
         missed=missed,
+        least_m2=least_m2,
+        slivers_m2=float((short & ~missed).sum()) * mission.problem.grid.cell_m**2,
         gaps=_gaps(score, ground, missed, poc),
     )
 
@@ -135,15 +149,15 @@ def _lines(score: Score, ground: Georeference) -> list[Floats]:
 # ---------------------------------------------------------------- lines beside lines
 
 
-def _share(lines: Sequence[Floats], others: Sequence[Floats], near_m: float) -> float:
-    """Share of the lines' length that lies near to one of the others."""
+def _share(lines: Sequence[Floats], others: Sequence[Floats], near_m: float) -> float | None:
+    """Share of the lines' length that lies near to one of the others; None where they have none."""
     step = max(near_m / 2, sum(map(_length, lines)) / MOST_POINTS)
     flown_m = total_m = 0.0
     for line in lines:
         points, weights = _sampled(line, step)
         flown_m += float(weights @ (_away(points, others) <= near_m))
         total_m += float(weights.sum())
-    return flown_m / total_m if total_m > 0 else 1.0
+    return flown_m / total_m if total_m > 0 else None
 
 
 def _farthest(lines: Sequence[Floats], others: Sequence[Floats]) -> tuple[float, Floats]:
@@ -190,6 +204,22 @@ def _on_globe(score: Score, ground: Georeference, place: Floats) -> tuple[float,
 
 
 # ---------------------------------------------------------------- gaps
+
+
+def _look_m2(mission: Mission) -> float:
+    """Ground that one look covers."""
+    if mission.over_legs or mission.over_regions:
+        return pi * reach_m(mission) ** 2
+    return mission.problem.grid.cell_m**2
+
+
+def _large(grid: Grid, short: NDArray[np.bool_], least_m2: float) -> NDArray[np.bool_]:
+    """(N,) bool: of these cells those in pieces of so much ground, which hang together by their sides."""
+    from scipy.ndimage import label
+
+    labels, _ = label(short.reshape(grid.shape))
+    sizes_m2 = np.bincount(labels.ravel()) * grid.cell_m**2
+    return np.asarray(short & (sizes_m2 >= least_m2 * (1.0 - 1e-9))[labels.ravel()])
 
 
 def _gaps(score: Score, ground: Georeference, missed: NDArray[np.bool_], poc: Floats) -> tuple[Gap, ...]:
