@@ -16,7 +16,10 @@ from sooner.missions import read_mission, score_plan
 from sooner.missions.chances import chances
 from sooner.missions.exported import export
 from sooner.missions.flight_plans import flights
+from sooner.missions.planning import plan_mission
 from sooner.motion import Terrain
+from sooner.planners import solve
+from sooner.planners.registry import make_planner
 from sooner.problem import Plan
 from sooner.problem.leg_moves import places_of
 from tests.missions.drawn import box, drawn, place, raster
@@ -324,3 +327,11 @@ def test_maps_of_a_flight_along_legs_add_up(tmp_path):
     assert (layers["poc-before"] * layers["pod"]).sum() == pytest.approx(score.evaluation.total, rel=1e-9)
     np.testing.assert_allclose(layers["pod"].ravel(), 1.0 - np.exp(-score.looks))
     assert layers["poc-after"].sum() == pytest.approx(1.0 - score.evaluation.total, rel=1e-9)
+
+
+def test_a_plan_without_gaps_is_given_nothing_up_for_fewer_places(tmp_path):
+    mission = read_mission(leg_mission(tmp_path / "mission"))
+    alone = solve(mission.problem, make_planner("no-gap")).best
+    planned = plan_mission(mission, "no-gap", seconds=60.0)
+    assert planned.score.evaluation.total == pytest.approx(alone.value, rel=1e-8)
+    assert sum(map(len, planned.score.plan.actions)) == sum(map(len, alone.plan.actions))

@@ -202,12 +202,15 @@ def plan_mission(
         ) from None
     late = None
     if wants_early and not told and solution.status is not Status.INTERRUPTED:
-        solution, late = _brought_forward(mission.problem, solution, seconds * share)
+        # patterns are flown as they are drawn, and who asks for no gap gives nothing up
+        solution, late = _brought_forward(mission.problem, solution, seconds * share, may_give_up=name == DEFAULT)
     exchange = told[0] if told else None
     return Planned(score_plan(mission, solution.best.plan), solution, name, late, exchange)
 
 
-def _brought_forward(problem: SearchProblem, solution: Solution, seconds: float) -> tuple[Solution, Evaluation | None]:
+def _brought_forward(
+    problem: SearchProblem, solution: Solution, seconds: float, may_give_up: bool
+) -> tuple[Solution, Evaluation | None]:
     """The solution with its plan brought forward, and what the plan was before; None where nothing was gained."""
     from sooner.planners.leg_early import earlier_within
     from sooner.planners.leg_tidy import tidied
@@ -215,7 +218,7 @@ def _brought_forward(problem: SearchProblem, solution: Solution, seconds: float)
 
     plan = solution.best.plan
     if moves_of(problem) == "legs":
-        early = earlier_within(problem, tidied(problem, plan), seconds)
+        early = earlier_within(problem, tidied(problem, plan) if may_give_up else plan, seconds)
     else:
         early = brought_forward_within(problem, plan, seconds)
     if early == plan:

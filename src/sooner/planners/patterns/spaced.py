@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -19,7 +20,7 @@ __all__ = ["Spaced"]
 
 
 @dataclass(frozen=True)
-class Spaced:
+class Spaced(ABC):
     """A pattern of tracks some spacing apart, drawn in the few ways that its definition leaves open.
 
     Parameters
@@ -43,6 +44,6 @@ class Spaced:
         """Yield the best after every way in which the pattern is drawn."""
         return best_of(problem, self.drawn)
 
+    @abstractmethod
     def drawn(self, searched: Searched) -> Iterator[Tracks]:
         """The pattern over ground that hangs together, in one way after another."""
-        raise NotImplementedError
